@@ -1,0 +1,2 @@
+//! The `isolux` program.
+fn main() {}

@@ -1,0 +1,3 @@
+//! isolux kernel
+#![no_std]
+#![forbid(unsafe_code)]
