@@ -1,0 +1,149 @@
+//! The form factor of a polygon seen from a differential area.
+//!
+//! F = ∫ cos θ_r cos θ_e / (π r²) dA over the emitter is the fraction of the
+//! power leaving the receiver's differential area that arrives at the emitter
+//! (the configuration factor), and E = π L F the irradiance a Lambertian
+//! emitter of radiance L causes. By Stokes' theorem it is a sum over the
+//! emitter's edges (Lambert 1760; Eq. 3 of the paper):
+//!
+//! ```text
+//! F = −1/(2π) Σ γ_i  n · unit(v_i × v_{i+1}),   i = 0 .. m−1, indices mod m
+//! ```
+//!
+//! with v_i the vertices relative to the receiver, γ_i the angle between v_i
+//! and v_{i+1}, and n the receiver's unit normal. The paper prints the factor
+//! as 1/2 (the π of its own Eq. 2 is lost), lets the sum run over m + 1 terms,
+//! and says that polygons with holes are excluded. In truth:
+//!
+//! * the minus sign belongs to vertices that run counter-clockwise seen from
+//!   the emitting side;
+//! * the polygon is to be clipped to the receiver's horizon n·v ≥ 0 first (the
+//!   paper omits it; without the clip five of six polygons that cross the
+//!   horizon come out wrong);
+//! * a hole is a loop that runs the other way.
+//!
+//! A receiver on or behind the emitter's plane receives 0.
+//!
+//! # Rungs
+//!
+//! How a loop is summed is a type, a rung of the arithmetic ladder
+//! ([`Arithmetic`]): [`Libm`] writes Eq. 3 down as it stands, [`Best`] is the
+//! default. Their errors and costs are with them.
+//!
+//! # Domain
+//!
+//! Coordinates relative to the receiver between 1e-8 and 1e8 in magnitude
+//! (squares and fourth powers of distances must stay normal numbers of `f32`).
+
+mod best;
+mod half_angle;
+mod paper;
+mod residual;
+
+pub use best::Best;
+pub use paper::Libm;
+
+use crate::geometry::{Plane, Receiver, Vector};
+use crate::number::Number;
+
+/// A rung of the arithmetic ladder: how one loop of a polygon is summed.
+pub trait Arithmetic<N: Number> {
+    /// −2π times what one closed loop adds to the form factor: Σ γ_i n·unit(v_i
+    /// × v_{i+1}) over its part above the receiver's horizon.
+    ///
+    /// The loop lies in a plane with normal `facing` (any length), in front of
+    /// which the receiver is. Fewer than 3 vertices give 0. Never panics.
+    fn contour(receiver: &Receiver<N>, facing: Vector<N>, outline: &Outline<'_, N>) -> N;
+}
+
+/// A closed loop of a planar polygon.
+#[derive(Clone, Copy, Debug)]
+pub struct Outline<'a, N> {
+    vertices: &'a [[N; 3]],
+    reach_squared: N,
+}
+
+impl<'a, N: Number> Outline<'a, N> {
+    /// The loop through these vertices, in metres.
+    pub fn new(vertices: &'a [[N; 3]]) -> Self {
+        let mut reach_squared = N::ZERO;
+        if let Some((&first, rest)) = vertices.split_first() {
+            let first = Vector::from(first);
+            for &vertex in rest {
+                let squared = (Vector::from(vertex) - first).norm_squared();
+                if squared > reach_squared {
+                    reach_squared = squared;
+                }
+            }
+        }
+        Self {
+            vertices,
+            reach_squared,
+        }
+    }
+
+    /// The loop with its reach known beforehand, as the tables hold it.
+    #[inline(always)]
+    pub(crate) fn with_reach(vertices: &'a [[N; 3]], reach_squared: N) -> Self {
+        Self {
+            vertices,
+            reach_squared,
+        }
+    }
+
+    /// The vertices, in metres.
+    #[inline(always)]
+    pub fn vertices(&self) -> &'a [[N; 3]] {
+        self.vertices
+    }
+
+    /// The squared distance in m² from the first vertex to the one farthest
+    /// from it: what tells a small emitter from a large one.
+    #[inline(always)]
+    pub fn reach_squared(&self) -> N {
+        self.reach_squared
+    }
+}
+
+/// The form factor of a polygon seen from a receiver, 0 ≤ F ≤ 1.
+///
+/// `vertices` of a planar simple polygon, convex or not, in metres,
+/// counter-clockwise seen from its emitting side. 0 where the receiver is on
+/// or behind the polygon's plane, where the polygon is below its horizon, and
+/// where there are fewer than 3 vertices. Error bound and cost: those of the
+/// rung `A`. Never panics, never NaN (a NaN in the input gives 0).
+pub fn form_factor<A: Arithmetic<N>, N: Number>(receiver: &Receiver<N>, vertices: &[[N; 3]]) -> N {
+    let plane = Plane::of_polygon(vertices);
+    of_loops::<A, N>(receiver, &plane, core::iter::once(Outline::new(vertices)))
+}
+
+/// The form factor of a planar polygon of several loops, 0 ≤ F ≤ 1: pieces
+/// counter-clockwise seen from the front of `plane`, holes clockwise.
+///
+/// As [`form_factor`] otherwise.
+#[inline]
+pub fn of_loops<'a, A: Arithmetic<N>, N: Number + 'a>(
+    receiver: &Receiver<N>,
+    plane: &Plane<N>,
+    outlines: impl Iterator<Item = Outline<'a, N>>,
+) -> N {
+    if plane.height(receiver.position()) <= N::ZERO {
+        return N::ZERO;
+    }
+    let mut sum = N::ZERO;
+    for outline in outlines {
+        sum = sum + A::contour(receiver, plane.normal, &outline);
+    }
+    fraction(sum * N::of(-0.5 / core::f64::consts::PI))
+}
+
+/// Clamps to [0, 1]; NaN becomes 0. Written with comparisons because
+/// `f32::min` and `f32::max` differ between targets on −0.
+#[inline(always)]
+fn fraction<N: Number>(f: N) -> N {
+    if f > N::ZERO {
+        if f < N::ONE { f } else { N::ONE }
+    } else {
+        N::ZERO
+    }
+}

@@ -1,0 +1,167 @@
+//! A small loop summed without cancellation.
+//!
+//! The terms of Eq. 3 are of the size of the loop's angular radius s, their
+//! sum is of the size s² or s³: in single precision nothing is left of a form
+//! factor below 1e-7. But the cancellation can be done on paper. With
+//! D_i = V_i − V_0, e_i = V_{i+1} − V_i and C_i = D_i × D_{i+1} taken from the
+//! original vertices, v_0 = V_0 − P and γ_i/|v_i × v_{i+1}| = (1 + η_i)/r_0²,
+//! Σ e_i = 0 gives exactly
+//!
+//! ```text
+//! −2π F r_0² = (n × v_0)·Σ η_i e_i + Σ (1 + η_i) n·C_i
+//! ```
+//!
+//! and η_i comes without a subtraction of nearly equal numbers:
+//!
+//! ```text
+//! δ_i = D_i·(2 v_0 + D_i)                       = r_i² − r_0²
+//! x   = (|e|² − δ_i − δ_{i+1})/2,   d = r_0² − x = v_i·v_{i+1}
+//! y   = (δ_{i+1} − δ_i − |e|²)/2
+//! l   = (r_0² + δ_i)|e|² − y²                   = |v_i × v_{i+1}|²
+//! w   = l/d² = tan² γ,   η = (x − r_0² w k(w))/d,   k(w) = (1 − h(w))/w
+//! ```
+//!
+//! One division an edge and no root. k is fitted for w ≤ 1: every edge must be
+//! seen under at most 45°, which holds where every |D_i| ≤ r_0 sin 22.5°
+//! ([`is_small`]). The choice is made on the whole loop, before the clip, and
+//! clipped corners carry their D along: deciding on the clipped loop would
+//! cost 2e-5.
+
+use super::Outline;
+use crate::clip::{self, Corner, Edges};
+use crate::geometry::{Receiver, Vector};
+use crate::number::{Number, residual_arctangent};
+
+/// sin² 22.5°, rounded down.
+const REACH: f64 = 0.1464;
+
+/// Whether every vertex of the loop is seen within 22.5° of the first one.
+#[inline(always)]
+pub(super) fn is_small<N: Number>(receiver: &Receiver<N>, outline: &Outline<'_, N>) -> bool {
+    match outline.vertices().first() {
+        Some(&first) => {
+            let distance_squared = (Vector::from(first) - receiver.position()).norm_squared();
+            outline.reach_squared() <= N::of(REACH) * distance_squared
+        }
+        None => false,
+    }
+}
+
+/// A vertex relative to the loop's first one.
+#[derive(Clone, Copy)]
+struct Vertex<N> {
+    offset: Vector<N>,
+    height: N,
+    /// δ = |v|² − |v_0|².
+    excess: N,
+}
+
+struct Sum<N> {
+    normal: Vector<N>,
+    first: Vector<N>,
+    distance_squared: N,
+    /// Σ η e.
+    along: Vector<N>,
+    /// Σ (1 + η) n·C.
+    across: N,
+}
+
+/// [`Vertex`] with what its δ is computed from.
+#[derive(Clone, Copy)]
+struct Seen<N> {
+    vertex: Vertex<N>,
+    twice_first: Vector<N>,
+}
+
+impl<N: Number> Corner<N> for Seen<N> {
+    #[inline(always)]
+    fn height(&self) -> N {
+        self.vertex.height
+    }
+
+    #[inline(always)]
+    fn farness(&self) -> N {
+        self.vertex.excess
+    }
+
+    #[inline(always)]
+    fn toward(&self, other: &Self, t: N) -> Self {
+        let offset = self.vertex.offset + (other.vertex.offset - self.vertex.offset) * t;
+        seen(offset, N::ZERO, self.twice_first)
+    }
+}
+
+#[inline(always)]
+fn seen<N: Number>(offset: Vector<N>, height: N, twice_first: Vector<N>) -> Seen<N> {
+    let excess = offset.dot(twice_first + offset);
+    Seen {
+        vertex: Vertex {
+            offset,
+            height,
+            excess,
+        },
+        twice_first,
+    }
+}
+
+impl<N: Number> Sum<N> {
+    #[inline(always)]
+    fn edge(&mut self, a: &Vertex<N>, b: &Vertex<N>) {
+        let half = N::of(0.5);
+        let e = b.offset - a.offset;
+        let length_squared = e.norm_squared();
+        let x = (length_squared - a.excess - b.excess) * half;
+        let y = (b.excess - a.excess - length_squared) * half;
+        let inverse = N::ONE / (self.distance_squared - x);
+        let l = (self.distance_squared + a.excess) * length_squared - y * y;
+        let w = l * inverse * inverse;
+        let eta = (x - self.distance_squared * w * residual_arctangent(w)) * inverse;
+        self.along = self.along + e * eta;
+        let area = self.normal.dot(a.offset.cross(b.offset));
+        self.across = self.across + (area + eta * area);
+    }
+}
+
+impl<N: Number> Edges<N, Seen<N>> for Sum<N> {
+    #[inline(always)]
+    fn whole(&mut self, from: &Seen<N>, to: &Seen<N>) {
+        self.edge(&from.vertex, &to.vertex);
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn cut(&mut self, from: &Seen<N>, to: &Seen<N>) {
+        self.edge(&from.vertex, &to.vertex);
+    }
+
+    #[inline(always)]
+    fn cap(&mut self, from: &Seen<N>, to: &Seen<N>) {
+        self.cut(from, to);
+    }
+}
+
+/// Σ γ_i n·unit(v_i × v_{i+1}) over the part of a small loop above the horizon.
+#[inline]
+pub(super) fn contour<N: Number>(receiver: &Receiver<N>, outline: &Outline<'_, N>) -> N {
+    let Some(&origin) = outline.vertices().first() else {
+        return N::ZERO;
+    };
+    let origin = Vector::from(origin);
+    let (place, normal) = (receiver.position(), receiver.normal());
+    let first = origin - place;
+    let twice_first = first + first;
+    let corners = outline.vertices().iter().map(|&vertex| {
+        let vertex = Vector::from(vertex);
+        seen(vertex - origin, normal.dot(vertex - place), twice_first)
+    });
+    let distance_squared = first.norm_squared();
+    let mut sum = Sum {
+        normal,
+        first,
+        distance_squared,
+        along: Vector::ZERO,
+        across: N::ZERO,
+    };
+    clip::walk(corners, &mut sum);
+    (sum.normal.cross(sum.first).dot(sum.along) + sum.across) / distance_squared
+}

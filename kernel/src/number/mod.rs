@@ -1,0 +1,129 @@
+//! The arithmetic everything else is written in.
+//!
+//! [`Number`] is what the formulas need of a number: four operations, an
+//! order, a few constants. It is implemented for `f32`, the number of the
+//! device, and for `f64`, with which the host separates rounding from the
+//! error of a formula. The square root comes from outside ([`Root`]), because
+//! the fastest correct one differs between parts: libm's is software on thumb
+//! targets, and a firmware may supply the FPU's instruction. Both are
+//! correctly rounded, so the bits are the same.
+
+mod arctangent;
+
+pub use arctangent::{residual_arctangent, scaled_arctangent};
+
+use core::fmt::Debug;
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A number the kernel can compute with.
+///
+/// All operations round to nearest, ties to even, and none fuses two of them;
+/// so equal inputs give equal bits on every target as long as no NaN occurs.
+pub trait Number:
+    Copy
+    + Debug
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// π, rounded to nearest.
+    const PI: Self;
+
+    /// The nearest number to a constant of a formula.
+    fn of(constant: f64) -> Self;
+
+    /// Neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+
+    /// |x|. Exact.
+    #[inline]
+    fn abs(self) -> Self {
+        if self < Self::ZERO { -self } else { self }
+    }
+}
+
+impl Number for f32 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    const PI: Self = core::f32::consts::PI;
+
+    #[inline(always)]
+    fn of(constant: f64) -> Self {
+        constant as Self
+    }
+
+    #[inline]
+    fn is_finite(self) -> bool {
+        f32::is_finite(self)
+    }
+}
+
+impl Number for f64 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    const PI: Self = core::f64::consts::PI;
+
+    #[inline(always)]
+    fn of(constant: f64) -> Self {
+        constant
+    }
+
+    #[inline]
+    fn is_finite(self) -> bool {
+        f64::is_finite(self)
+    }
+}
+
+/// A source of square roots.
+pub trait Root<N> {
+    /// √x, correctly rounded, for x ≥ 0. What it gives for negative x is not
+    /// used by the kernel. Never panics.
+    fn sqrt(x: N) -> N;
+}
+
+/// libm's square root: correct everywhere, software on thumb targets
+/// (56 instructions against one of an FPU).
+#[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SoftRoot;
+
+impl Root<f32> for SoftRoot {
+    #[inline]
+    fn sqrt(x: f32) -> f32 {
+        libm::sqrtf(x)
+    }
+}
+
+impl Root<f64> for SoftRoot {
+    #[inline]
+    fn sqrt(x: f64) -> f64 {
+        libm::sqrt(x)
+    }
+}
+
+/// libm's arc cosine, for the rung that follows the paper to the letter.
+pub trait ArcCosine: Number {
+    /// acos x in radians, −1 ≤ x ≤ 1; error at most 1 ulp. Never panics.
+    fn acos(self) -> Self;
+}
+
+impl ArcCosine for f32 {
+    #[inline]
+    fn acos(self) -> Self {
+        libm::acosf(self)
+    }
+}
+
+impl ArcCosine for f64 {
+    #[inline]
+    fn acos(self) -> Self {
+        libm::acos(self)
+    }
+}

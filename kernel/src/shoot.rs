@@ -1,0 +1,312 @@
+//! Light on its way: from luminaires to samples, from sample to sample, until
+//! little enough is left.
+//!
+//! The state is one irradiance per sample and two radiosities per emitter.
+//! An emitter's radiosity is B = M + ρ mean(E) over the samples at its
+//! vertices (the paper's reconstruction for light transfer), and what it has
+//! not yet shot is B less what it has. Shooting adds ΔB F to the irradiance of
+//! every sample, by Eq. 2 and 3 of the paper; E = B F is the same as π L F.
+//! (The paper's Eq. 4 with the sum of Eq. 3 written out, its Eq. 5, lacks a
+//! factor 1/2 and the normalisation of the cross product, and has the light's
+//! normal in place of the receiver's; here the second bounce is Eq. 3 again,
+//! with a polygon of constant radiosity as its emitter.)
+//!
+//! Two orders are offered: [`Light::shoot`] takes the emitter with the most
+//! unshot power (progressive shooting), [`Light::reflect`] lets all emitters
+//! shoot what arrived in the last generation (a Neumann sum, so that "light
+//! reflected at most N times" is exact).
+
+use crate::Error;
+use crate::error::What;
+use crate::form_factor::Arithmetic;
+use crate::geometry::Receiver;
+use crate::scene::Scene;
+use crate::scene::records::Emitter;
+use core::marker::PhantomData;
+use heapless::Vec;
+
+/// The light in a scene, for at most `SAMPLES` samples and `EMITTERS` emitters.
+///
+/// RAM: [`budget::light_bytes`](crate::budget::light_bytes).
+#[derive(Clone, Debug)]
+pub struct Light<'t, A, const SAMPLES: usize, const EMITTERS: usize> {
+    scene: Scene<'t>,
+    /// Irradiance of every sample, W m⁻².
+    irradiance: Vec<f32, SAMPLES>,
+    emitters: Vec<Shot, EMITTERS>,
+    rung: PhantomData<A>,
+}
+
+/// What one emitter has done.
+#[derive(Clone, Copy, Debug, Default)]
+struct Shot {
+    /// Radiosity shot so far, W m⁻².
+    shot: f32,
+    /// Radiosity to be shot in the present generation, W m⁻².
+    pending: f32,
+}
+
+/// When to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Stop {
+    /// When the unshot power is below this fraction of the emitted power, or
+    /// after so many shots at the latest: a fixed budget needs the second
+    /// number.
+    Below {
+        /// Fraction of the emitted power.
+        fraction: f32,
+        /// Shots at the most.
+        shots: u32,
+    },
+    /// After so many shots.
+    Shots(u32),
+    /// When all light reflected at most so many times has arrived; 0 is direct
+    /// light only.
+    Reflections(u32),
+}
+
+impl Stop {
+    /// Below this fraction of the emitted power, within 4096 shots.
+    pub const fn below(fraction: f32) -> Self {
+        Self::Below {
+            fraction,
+            shots: 4096,
+        }
+    }
+}
+
+/// How a [`Light::solve`] ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Solved {
+    /// Shots taken.
+    pub shots: u32,
+    /// Unshot power as a fraction of the emitted power; 0 in a dark scene.
+    pub unshot: f32,
+}
+
+impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
+    Light<'t, A, SAMPLES, EMITTERS>
+{
+    /// A dark scene, ready to be lit.
+    ///
+    /// # Errors
+    /// [`Error::Capacity`] where the scene has more samples or emitters than
+    /// the type holds.
+    pub fn new(scene: Scene<'t>) -> Result<Self, Error> {
+        let full = |what, needed: usize, have: usize| Error::Capacity {
+            what,
+            needed: needed as u32,
+            have: have as u32,
+        };
+        let mut light = Self {
+            scene,
+            irradiance: Vec::new(),
+            emitters: Vec::new(),
+            rung: PhantomData,
+        };
+        let (samples, emitters) = (scene.samples().len(), scene.emitters().len());
+        light
+            .irradiance
+            .resize(samples, 0.0)
+            .map_err(|_| full(What::Samples, samples, SAMPLES))?;
+        light
+            .emitters
+            .resize(emitters, Shot::default())
+            .map_err(|_| full(What::Emitters, emitters, EMITTERS))?;
+        Ok(light)
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> Scene<'t> {
+        self.scene
+    }
+
+    /// Irradiance of every sample in W m⁻², in the order of the tables.
+    pub fn irradiance(&self) -> &[f32] {
+        &self.irradiance
+    }
+
+    /// Takes all light away.
+    pub fn darken(&mut self) {
+        self.irradiance.fill(0.0);
+        self.emitters.fill(Shot::default());
+    }
+
+    /// Darkens the scene and lets every luminaire shoot: direct light,
+    /// E = π L F.
+    ///
+    /// Cost: one form factor per luminaire and sample. Exact up to the rung's
+    /// error.
+    pub fn direct(&mut self) {
+        self.darken();
+        self.reflect();
+    }
+
+    /// Lets every emitter shoot what reached it since it last shot: one more
+    /// reflection of all light. Returns the number of shots.
+    pub fn reflect(&mut self) -> u32 {
+        for index in 0..self.emitters.len() {
+            let pending = self.unshot(index);
+            if let Some(emitter) = self.emitters.get_mut(index) {
+                emitter.pending = pending;
+            }
+        }
+        let mut shots = 0;
+        for index in 0..self.emitters.len() {
+            let pending = self
+                .emitters
+                .get(index)
+                .map_or(0.0, |emitter| emitter.pending);
+            if pending > 0.0 {
+                self.send(index, pending);
+                shots += 1;
+            }
+        }
+        shots
+    }
+
+    /// Lets the emitter with the largest unshot power shoot. Returns its index,
+    /// or `None` where nothing is left.
+    pub fn shoot(&mut self) -> Option<usize> {
+        let mut best = None;
+        let mut largest = 0.0;
+        for (index, emitter) in self.scene.emitters().iter().enumerate() {
+            let power = self.unshot(index) * emitter.area;
+            if power > largest {
+                (best, largest) = (Some(index), power);
+            }
+        }
+        let index = best?;
+        let radiosity = self.unshot(index);
+        self.send(index, radiosity);
+        Some(index)
+    }
+
+    /// Darkens the scene and lights it until `stop`.
+    ///
+    /// Cost: one form factor per shot and sample; at most as many shots as
+    /// `stop` allows, `EMITTERS` for each reflection.
+    pub fn solve(&mut self, stop: Stop) -> Solved {
+        self.direct();
+        let luminaires = self
+            .emitters
+            .iter()
+            .filter(|emitter| emitter.shot > 0.0)
+            .count();
+        let mut shots = luminaires as u32;
+        match stop {
+            Stop::Reflections(times) => {
+                for _ in 0..times {
+                    let more = self.reflect();
+                    shots = shots.saturating_add(more);
+                    if more == 0 {
+                        break;
+                    }
+                }
+            }
+            Stop::Shots(limit) => {
+                while shots < limit && self.shoot().is_some() {
+                    shots += 1;
+                }
+            }
+            Stop::Below {
+                fraction,
+                shots: limit,
+            } => {
+                while shots < limit && self.unshot_fraction() > fraction && self.shoot().is_some() {
+                    shots += 1;
+                }
+            }
+        }
+        Solved {
+            shots,
+            unshot: self.unshot_fraction(),
+        }
+    }
+
+    /// Power not yet shot as a fraction of the emitted power; 0 in a dark
+    /// scene.
+    pub fn unshot_fraction(&self) -> f32 {
+        let (mut unshot, mut emitted) = (0.0, 0.0);
+        for (index, emitter) in self.scene.emitters().iter().enumerate() {
+            unshot += self.unshot(index) * emitter.area;
+            emitted += emitter.exitance * emitter.area;
+        }
+        if emitted > 0.0 { unshot / emitted } else { 0.0 }
+    }
+
+    /// The radiosity in W m⁻² that an emitter has shot so far; 0 where there is
+    /// no such emitter.
+    pub fn radiosity(&self, emitter: usize) -> f32 {
+        self.emitters
+            .get(emitter)
+            .map_or(0.0, |emitter| emitter.shot)
+    }
+
+    /// The irradiance at any place in W m⁻², from everything that has been
+    /// shot: no resampling.
+    ///
+    /// Cost: one form factor per emitter. The answer depends on the receiver
+    /// alone, not on which others were asked.
+    pub fn at(&self, receiver: &Receiver<f32>) -> f32 {
+        let mut sum = 0.0;
+        for (emitter, state) in self.scene.emitters().iter().zip(&self.emitters) {
+            if state.shot > 0.0 {
+                sum += state.shot * self.scene.form_factor::<A>(receiver, emitter);
+            }
+        }
+        sum
+    }
+
+    /// Radiosity of an emitter that it has not yet shot.
+    fn unshot(&self, index: usize) -> f32 {
+        let (Some(emitter), Some(state)) =
+            (self.scene.emitters().get(index), self.emitters.get(index))
+        else {
+            return 0.0;
+        };
+        let unshot = emitter.exitance + self.reflected(emitter) - state.shot;
+        if unshot > 0.0 { unshot } else { 0.0 }
+    }
+
+    /// ρ times the mean irradiance of the emitter's members.
+    fn reflected(&self, emitter: &Emitter) -> f32 {
+        let members = self.scene.members_of(emitter);
+        if members.is_empty() {
+            return 0.0;
+        }
+        let mut sum = 0.0;
+        for &member in members {
+            sum += self
+                .irradiance
+                .get(usize::from(member))
+                .copied()
+                .unwrap_or(0.0);
+        }
+        emitter.reflectance * (sum / members.len() as f32)
+    }
+
+    /// Adds `radiosity` F to the irradiance of every sample.
+    fn send(&mut self, index: usize, radiosity: f32) {
+        let scene = self.scene;
+        let Some(emitter) = scene.emitters().get(index) else {
+            return;
+        };
+        for (number, surface) in (0_u32..).zip(scene.surfaces()) {
+            if number == emitter.surface {
+                continue; // a planar polygon does not light its own plane
+            }
+            let (first, places) = scene.samples_of(surface);
+            let values = self.irradiance.iter_mut().skip(first);
+            for (value, &place) in values.zip(places) {
+                let receiver = Receiver::of_unit(surface.place(place), surface.normal.into());
+                *value += radiosity * scene.form_factor::<A>(&receiver, emitter);
+            }
+        }
+        if let Some(state) = self.emitters.get_mut(index) {
+            state.shot += radiosity;
+        }
+    }
+}
