@@ -9,6 +9,8 @@
 //! ```
 //!
 //! Rooms, ground floor first; each imports only those above it in this list:
-//! [`scene`].
+//! [`scene`], [`compare`], [`report`].
 
+pub mod compare;
+pub mod report;
 pub mod scene;
