@@ -11,6 +11,9 @@
 //! Rooms, ground floor first; each imports only those above it in this list:
 //! [`scene`], [`compare`], [`report`].
 
+pub mod bake;
 pub mod compare;
+pub mod plan;
 pub mod report;
 pub mod scene;
+pub mod solve;

@@ -1,2 +1,2 @@
-//! The `isolux` program.
+//! The program.
 fn main() {}
