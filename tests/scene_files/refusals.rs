@@ -63,6 +63,7 @@ fn document_faults_are_shown_with_place_and_remedy() {
     check_refused(&[
         refused("isolux = 1\nname = \n".into(), (2, 8), "not valid TOML", "toml.io"),
         refused("isolux = 1\nisolux = 1\n".into(), (2, 1), "duplicate key", "remove one"),
+        refused("isolux = ".to_owned() + &"[".repeat(100_000), (1, 90), "not valid TOML", "nested brackets"),
         refused(String::new(), (1, 1), "version is missing", "isolux = 1"),
         refused(swap("isolux = 1\n", ""), (1, 1), "version is missing", "isolux = 1"),
         refused(swap("isolux = 1", "isolux = 2"), (1, 10), "unknown format version", "isolux = 1"),
