@@ -9,8 +9,9 @@
 //! ```
 //!
 //! Rooms, ground floor first; each imports only those above it in this list:
-//! [`scene`], [`compare`], [`report`].
+//! [`scene`], [`compare`], [`report`], [`picture`].
 
 pub mod compare;
+pub mod picture;
 pub mod report;
 pub mod scene;
