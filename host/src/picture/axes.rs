@@ -1,12 +1,12 @@
 //! The page of a surface: title, captions, a map with axes in metres, and
 //! room for a legend to its right.
 
-use super::canvas::{Anchor, BODY, Canvas, Frame, GREY, INK, Pen, SMALL, TITLE};
-use super::{PictureError, SurfaceField, scale, text};
+use super::canvas::{Anchor, BODY, Canvas, Frame, GREY, INK, Pen, Rgb, SMALL, TITLE, WHITE};
+use super::{PictureError, SurfaceField, region, scale, text};
 
 /// Pixels for the heights' labels, and for the legend.
 const LEFT: f32 = 92.0;
-const LEGEND: f32 = 250.0;
+const LEGEND: f32 = 236.0;
 /// The largest a map gets, in pixels.
 const MAP: [f64; 2] = [760.0, 760.0];
 /// A legend needs this height whatever the map's.
@@ -73,28 +73,69 @@ impl Page {
         places.iter().map(|place| self.pixel(*place)).collect()
     }
 
-    /// Draws the field's cells with `colour(value, column, row)`, the latter two
-    /// in pixels of the map; cells outside of the surface stay white.
+    /// Which cell of the field each cell shows: itself where it is inside, a
+    /// neighbour that is where only the polygon's edge keeps it out. So the
+    /// field reaches beyond its polygon, to be cut off along it by
+    /// [`Page::outline`], while holes of other causes stay as they are.
+    pub(super) fn sources(&self, field: &SurfaceField) -> Vec<Option<usize>> {
+        let outline = [self.pixels(&field.outline)];
+        let (columns, rows) = (field.columns, field.rows);
+        let neighbour = |cell: usize| {
+            let (column, row) = (cell % columns, cell / columns);
+            let near =
+                |middle: usize, count: usize| middle.saturating_sub(1)..(middle + 2).min(count);
+            near(row, rows)
+                .flat_map(|y| near(column, columns).map(move |x| y * columns + x))
+                .find(|cell| field.inside[*cell])
+        };
+        (0..field.inside.len())
+            .map(|cell| {
+                if field.inside[cell] {
+                    Some(cell)
+                } else if field.outline.is_empty()
+                    || region::inside(&outline, self.pixel(field.middle(cell)))
+                {
+                    None
+                } else {
+                    neighbour(cell)
+                }
+            })
+            .collect()
+    }
+
+    /// Draws the cells that have a source with `colour(source, column, row)`, the
+    /// latter two in pixels of the map.
     pub(super) fn field(
         &mut self,
         field: &SurfaceField,
-        colour: impl Fn(usize, usize, usize) -> super::canvas::Rgb,
+        sources: &[Option<usize>],
+        colour: impl Fn(usize, usize, usize) -> Rgb,
     ) {
         let map = self.map;
-        let cell = |column: usize, row: usize| {
+        self.canvas.image(map, |column, row| {
             let across = ((column as f32 + 0.5) / map.width * field.columns as f32) as usize;
             let up = ((map.height - row as f32 - 0.5) / map.height * field.rows as f32) as usize;
-            up.min(field.rows - 1) * field.columns + across.min(field.columns - 1)
-        };
-        self.canvas.image(map, |column, row| {
-            let cell = cell(column, row);
-            field.inside[cell].then(|| colour(cell, column, row))
+            let cell = up.min(field.rows - 1) * field.columns + across.min(field.columns - 1);
+            sources[cell].map(|source| colour(source, column, row))
         });
     }
 
-    /// Draws the polygon of the surface.
+    /// Draws the polygon of the surface and clears what lies beyond it; the
+    /// whole rectangle is surface where it is empty.
     pub(super) fn outline(&mut self, outline: &[[f64; 2]]) {
         let points = self.pixels(outline);
+        if points.len() < 3 {
+            return;
+        }
+        let map = self.map;
+        let rectangle = vec![
+            [map.x, map.y],
+            [map.right(), map.y],
+            [map.right(), map.bottom()],
+            [map.x, map.bottom()],
+        ];
+        self.canvas
+            .fill_loops(&[rectangle, points.clone()], WHITE, 1.0);
         self.canvas.stroke(&points, true, Pen::new(INK, 1.6, 1.0));
     }
 
@@ -109,14 +150,20 @@ impl Page {
             // The margin lets ticks stand on the corners themselves.
             let ease = 1e-3 * (high - low);
             let count = (span / 110.0).clamp(1.0, 8.0) as usize;
+            // Labels of a narrow map that would touch the last one are left out.
+            let mut free_from = f32::NEG_INFINITY;
             for tick in scale::linear_levels(low - ease, high + ease, count) {
                 let label = scale::label(tick);
                 if axis == 0 {
                     let x = self.pixel([tick, self.low[1]])[0];
                     let mark = Frame::new(x.round() - 0.5, map.bottom() + 1.0, 1.0, 6.0);
                     self.canvas.fill(mark, GREY, 1.0);
-                    let at = [x, map.bottom() + 19.0];
-                    self.canvas.text(&label, at, SMALL, Anchor::Middle);
+                    let half = text::width(&label, SMALL) / 2.0;
+                    if x - half > free_from {
+                        let at = [x, map.bottom() + 19.0];
+                        self.canvas.text(&label, at, SMALL, Anchor::Middle);
+                        free_from = x + half + 8.0;
+                    }
                 } else {
                     let y = self.pixel([self.low[0], tick])[1];
                     let mark = Frame::new(map.x - 7.0, y.round() - 0.5, 6.0, 1.0);

@@ -144,7 +144,7 @@ impl Canvas {
         if let Some(path) = builder.finish() {
             let stroke = Stroke {
                 width: pen.width,
-                line_cap: LineCap::Round,
+                line_cap: LineCap::Butt,
                 line_join: LineJoin::Round,
                 ..Stroke::default()
             };

@@ -1,7 +1,7 @@
 //! Where and by how much an approximation is wrong.
 
 use super::axes::Page;
-use super::canvas::{Canvas, Frame, GREY, INK, Rgb, WHITE};
+use super::canvas::{Canvas, Frame, GREY, Rgb, WHITE};
 use super::false_colour::{BACKGROUND, has_luminaires, view_page};
 use super::scale::{self, SignedErrors};
 use super::{CameraView, Picture, PictureError, SurfaceField, colour_bar};
@@ -9,7 +9,7 @@ use crate::compare::{self, Errors, Statistics};
 use crate::report::percent;
 
 /// Where the reference is too dark for a relative error.
-const NOT_COUNTED: Rgb = [186, 186, 186];
+const NOT_COUNTED: Rgb = [150, 150, 150];
 
 /// Draws the signed relative error of a surface, (a - r) / r in percent: purple
 /// where the approximation is too dark, orange where it is too bright, on a
@@ -54,8 +54,10 @@ pub fn error_map(
     };
     let signed_errors = SignedErrors::fit(counted().flatten());
     let title = format!("{}: relative error against the reference", reference.name);
-    let mut page = Page::new(&title, &describe(&errors), reference.low, reference.size)?;
-    page.field(reference, |cell, column, row| {
+    let captions = describe(&errors, counted().flatten().next().is_some());
+    let mut page = Page::new(&title, &captions, reference.low, reference.size)?;
+    let sources = page.sources(reference);
+    page.field(reference, &sources, |cell, column, row| {
         colour(signed[cell], &signed_errors, column, row)
     });
     page.outline(&reference.outline);
@@ -88,7 +90,14 @@ pub fn camera_error_map(
     let errors = compare::errors_by_scale(triples.iter().flatten().copied());
     let signed = |triple: &Compared| compare::relative_error(triple.0, triple.1, triple.2);
     let signed_errors = SignedErrors::fit(triples.iter().flatten().filter_map(signed));
-    let (mut canvas, placed, room) = view_page(reference, title, &describe(&errors))?;
+    let captions = describe(
+        &errors,
+        triples
+            .iter()
+            .flatten()
+            .any(|triple| signed(triple).is_some()),
+    );
+    let (mut canvas, placed, room) = view_page(reference, title, &captions)?;
     placed.draw(&mut canvas, BACKGROUND, |pixel, column, row| {
         if pixel.luminaire {
             return WHITE;
@@ -151,25 +160,28 @@ fn pixel_triples(
         .collect()
 }
 
-fn describe(errors: &Errors) -> Vec<String> {
+/// The captions; of no counted error at all they say so, for its zeros would boast.
+fn describe(errors: &Errors, counted: bool) -> Vec<String> {
     let line = |name: &str, statistics: &Statistics| {
         format!(
-            "{name} max {} %, rms {} %, 95 % of it within {} %",
+            "{name} max {} %, rms {} %, 95th percentile {} %",
             percent(statistics.max),
             percent(statistics.rms),
             percent(statistics.p95)
         )
     };
-    vec![
-        line("relative error:     ", &errors.relative),
-        line("error of full scale:", &errors.full_scale),
-    ]
+    let relative = if counted {
+        line("relative error:     ", &errors.relative)
+    } else {
+        "relative error: none counted".to_owned()
+    };
+    vec![relative, line("error of full scale:", &errors.full_scale)]
 }
 
 fn colour(error: Option<f64>, scale: &SignedErrors, column: usize, row: usize) -> Rgb {
     match error {
         None => NOT_COUNTED,
-        Some(error) if error.abs() > scale.limit && hatched(column, row) => INK,
+        Some(error) if error.abs() > scale.limit && hatched(column, row) => WHITE,
         Some(error) => scale.colour(error),
     }
 }

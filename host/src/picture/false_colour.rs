@@ -1,7 +1,7 @@
 //! False colour of irradiance with isolux contours.
 
 use super::axes::{self, Page};
-use super::canvas::{Canvas, Frame, GREY, WHITE};
+use super::canvas::{Canvas, Frame, GREY, Rgb, WHITE};
 use super::isolines::{DrawnIsoline, draw_labels, draw_lines, isolines};
 use super::scale::Amounts;
 use super::view::{Placed, drawn_size};
@@ -12,7 +12,7 @@ use crate::report::quantity;
 use crate::scene::Quantity;
 
 /// Behind the scene.
-pub(super) const BACKGROUND: super::canvas::Rgb = [236, 236, 236];
+pub(super) const BACKGROUND: Rgb = [212, 217, 222];
 
 /// Draws the irradiance of a surface in viridis with labelled isolux contours, a
 /// colour bar and axes in metres.
@@ -28,14 +28,16 @@ pub fn false_colour(field: &SurfaceField) -> Result<Picture, PictureError> {
     let title = format!("{}: {}", field.name, irradiance_name(field.quantity));
     let captions = [describe(field.lit(), &amounts, field.quantity)];
     let mut page = Page::new(&title, &captions, field.low, field.size)?;
-    page.field(field, |cell, _, _| amounts.colour(field.values[cell]));
-    let lines = isolines(
-        &field.values,
-        &field.inside,
-        field.columns,
-        field.rows,
-        &amounts.levels,
-    )?;
+    let sources = page.sources(field);
+    page.field(field, &sources, |cell, _, _| {
+        amounts.colour(field.values[cell])
+    });
+    let shown: Vec<f64> = sources
+        .iter()
+        .map(|source| source.map_or(0.0, |cell| field.values[cell]))
+        .collect();
+    let covered: Vec<bool> = sources.iter().map(Option::is_some).collect();
+    let lines = isolines(&shown, &covered, field.columns, field.rows, &amounts.levels)?;
     let place = |at: [f64; 2]| {
         page.pixel([
             field.low[0] + at[0] / field.columns as f64 * field.size[0],
@@ -198,17 +200,14 @@ fn describe(
         high = high.max(value);
     }
     if low > high {
-        return "nothing to be seen".to_owned();
+        return "no values".to_owned();
     }
     let mut caption = format!("{} to {} {unit}", quantity(low), quantity(high));
     if amounts.logarithmic {
         caption.push_str(", logarithmic scale");
     }
     if amounts.cut {
-        caption.push_str(&format!(
-            " (less than {} is drawn as that)",
-            quantity(amounts.low)
-        ));
+        caption.push_str(&format!(" from {} up", quantity(amounts.low)));
     }
     if !amounts.levels.is_empty() {
         caption.push_str(&format!("; isolux contours in {unit}"));

@@ -76,7 +76,13 @@ pub(super) fn isolines(
                         .into_iter()
                         .map(|point| [point.x - padding, point.y - padding])
                         .collect();
-                    split(&points, keep)
+                    // A line's last segment may reach half a cell beyond the grid.
+                    let mut pieces = split(&points, keep);
+                    for point in pieces.iter_mut().flatten() {
+                        point[0] = point[0].clamp(0.0, columns as f64);
+                        point[1] = point[1].clamp(0.0, rows as f64);
+                    }
+                    pieces
                 })
                 .collect();
             Isoline { level, lines }
@@ -159,7 +165,10 @@ pub(super) fn draw_lines(canvas: &mut Canvas, isolines: &[DrawnIsoline]) {
     }
 }
 
-/// Writes each level on its longest line, where the label stays within
+/// A second label of one level is at least this many pixels from the first.
+const APART: f32 = 260.0;
+
+/// Writes each level on its lines, at most twice, where the label stays within
 /// `frame` and where `free`, off the labels in `taken` and, as far as can be,
 /// off other lines. A level without such a place goes without: its colour is
 /// in the legend.
@@ -170,51 +179,71 @@ pub(super) fn draw_labels(
     free: impl Fn([f32; 2]) -> bool,
     taken: &mut Vec<Frame>,
 ) {
-    for DrawnIsoline { level, lines } in isolines {
-        let label = scale::label(*level);
-        let width = text::width(&label, SMALL) + 8.0;
-        let height = SMALL + 4.0;
-        let around =
-            |at: [f32; 2]| Frame::new(at[0] - width / 2.0, at[1] - height / 2.0, width, height);
-        let mut best: Option<(f32, [f32; 2])> = None;
-        for line in lines {
-            let length = length(line);
-            // A label must not hide the line it names.
-            if length < 2.5 * width {
-                continue;
-            }
-            for step in 1..24 {
-                let Some(at) = along(line, length * step as f32 / 24.0) else {
-                    continue;
-                };
-                let label = around(at);
-                let corners = [
-                    [label.x, label.y],
-                    [label.right(), label.y],
-                    [label.x, label.bottom()],
-                    [label.right(), label.bottom()],
-                ];
-                if !frame.holds(&label, 4.0)
-                    || taken.iter().any(|other| label.meets(other, 5.0))
-                    || !corners.into_iter().all(&free)
-                {
-                    continue;
-                }
-                let crossed = crossings(isolines, *level, &label);
-                // Few crossings first, then long lines.
-                let cost = crossed as f32 - 1e-4 * length;
-                if best.is_none_or(|(least, _)| cost < least) {
-                    best = Some((cost, at));
-                }
-            }
-        }
-        if let Some((_, at)) = best {
-            let place = around(at);
+    for isoline in isolines {
+        let label = scale::label(isoline.level);
+        let size = [text::width(&label, SMALL) + 8.0, SMALL + 4.0];
+        let mut own: Vec<[f32; 2]> = Vec::new();
+        for _ in 0..2 {
+            let fits = |at: [f32; 2]| {
+                let place = around(at, size);
+                // With room above and beneath, so that narrow surfaces are not
+                // covered by their labels.
+                let (top, bottom) = (place.y - size[1] / 2.0, place.bottom() + size[1] / 2.0);
+                frame.holds(&place, 12.0)
+                    && !taken.iter().any(|other| place.meets(other, 5.0))
+                    && own.iter().all(|other| distance(*other, at) > APART)
+                    && [place.x, place.right()]
+                        .iter()
+                        .all(|x| free([*x, top]) && free([*x, bottom]))
+            };
+            let Some(at) = best_place(isolines, isoline, size, fits) else {
+                break;
+            };
+            let place = around(at, size);
             canvas.fill(place, WHITE, 0.88);
             canvas.text(&label, at, SMALL, Anchor::Middle);
             taken.push(place);
+            own.push(at);
         }
     }
+}
+
+fn around(at: [f32; 2], size: [f32; 2]) -> Frame {
+    Frame::new(
+        at[0] - size[0] / 2.0,
+        at[1] - size[1] / 2.0,
+        size[0],
+        size[1],
+    )
+}
+
+/// Where on the lines of one level a label of `size` that `fits` crosses the
+/// fewest other lines; of equals the one on the longest line.
+fn best_place(
+    isolines: &[DrawnIsoline],
+    isoline: &DrawnIsoline,
+    size: [f32; 2],
+    fits: impl Fn([f32; 2]) -> bool,
+) -> Option<[f32; 2]> {
+    let mut best: Option<(f32, [f32; 2])> = None;
+    for line in &isoline.lines {
+        let length = length(line);
+        // A label must not hide the line it names.
+        if length < 2.5 * size[0] {
+            continue;
+        }
+        for step in 1..24 {
+            let Some(at) = along(line, length * step as f32 / 24.0).filter(|at| fits(*at)) else {
+                continue;
+            };
+            let crossed = crossings(isolines, isoline.level, &around(at, size));
+            let cost = crossed as f32 - 1e-4 * length;
+            if best.is_none_or(|(least, _)| cost < least) {
+                best = Some((cost, at));
+            }
+        }
+    }
+    best.map(|(_, at)| at)
 }
 
 /// How many points of other levels' lines a label would hide.

@@ -13,6 +13,7 @@ mod colour_bar;
 mod error_map;
 mod false_colour;
 mod isolines;
+mod region;
 mod samples;
 mod scale;
 mod text;
@@ -221,6 +222,14 @@ fn irradiance_unit(quantity: Quantity) -> &'static str {
     }
 }
 
+/// The unit of radiosity as it is printed.
+fn radiosity_unit(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Radiometric => "W/m²",
+        Quantity::Photometric => "lm/m²",
+    }
+}
+
 /// What irradiance is called.
 fn irradiance_name(quantity: Quantity) -> &'static str {
     match quantity {
@@ -267,6 +276,15 @@ impl SurfaceField {
             )));
         }
         check_rectangle(&self.name, self.low, self.size)
+    }
+
+    /// The middle of a cell, in metres.
+    fn middle(&self, cell: usize) -> [f64; 2] {
+        let share = [
+            ((cell % self.columns) as f64 + 0.5) / self.columns as f64,
+            ((cell / self.columns) as f64 + 0.5) / self.rows as f64,
+        ];
+        std::array::from_fn(|axis| self.low[axis] + share[axis] * self.size[axis])
     }
 
     /// The values inside.

@@ -5,8 +5,8 @@ use super::axes::Page;
 use super::canvas::{Anchor, BODY, Canvas, Frame, GREY, Pen, Rgb, SMALL, WHITE, mix};
 use super::scale::Amounts;
 use super::{
-    EmitterShape, Picture, PictureError, SamplePlan, check_rectangle, colour_bar, irradiance_name,
-    irradiance_unit, scale, text,
+    EmitterShape, Picture, PictureError, SampleMark, SamplePlan, SurfaceField, check_rectangle,
+    colour_bar, irradiance_name, radiosity_unit, region, scale, text,
 };
 use crate::report::quantity;
 
@@ -14,6 +14,9 @@ use crate::report::quantity;
 const MAX_NUMBERED: usize = 9;
 /// How much of its colour an emitter's tint keeps, so that marks stand out.
 const TINT: f64 = 0.34;
+
+/// The loops of one emitter, in pixels of the page.
+type Loops = Vec<Vec<[f32; 2]>>;
 
 /// Draws a plan: emitters tinted by radiosity and numbered in its order, samples
 /// as marks that differ by tag in shape and colour, the irradiance in faint grey
@@ -33,10 +36,14 @@ pub fn samples(plan: &SamplePlan) -> Result<Picture, PictureError> {
     if let Some(field) = &plan.field {
         field.check()?;
         let amounts = Amounts::fit(field.lit());
-        page.field(field, |cell, _, _| grey(amounts.place(field.values[cell])));
+        let sources = page.sources(field);
+        page.field(field, &sources, |cell, _, _| {
+            grey(amounts.place(field.values[cell]))
+        });
     }
     let tints = tints(&plan.emitters);
-    draw_emitters(&mut page, &plan.emitters, &tints);
+    let stacked = stacked(&page, &plan.emitters);
+    draw_emitters(&mut page.canvas, &stacked, &tints);
     let rectangle = [
         plan.low,
         [plan.low[0] + plan.size[0], plan.low[1]],
@@ -58,9 +65,13 @@ pub fn samples(plan: &SamplePlan) -> Result<Picture, PictureError> {
         }
     }
     if plan.emitters.len() <= MAX_NUMBERED {
-        number_emitters(&mut page, plan);
+        number_emitters(&mut page, &stacked, &plan.samples);
     }
-    legend(&mut page, plan, &tags, &tints);
+    let shown = plan
+        .field
+        .as_ref()
+        .filter(|field| field_shows(&page, field, &stacked));
+    legend(&mut page, plan, &tags, &tints, shown);
     Ok(Picture {
         canvas: page.canvas,
     })
@@ -102,39 +113,41 @@ fn tints(emitters: &[EmitterShape]) -> Vec<Rgb> {
     tints
 }
 
-fn draw_emitters(page: &mut Page, emitters: &[EmitterShape], tints: &[Rgb]) {
-    for (emitter, tint) in emitters.iter().zip(tints) {
-        let loops: Vec<_> = emitter
-            .loops
-            .iter()
-            .map(|loop_| page.pixels(loop_))
-            .collect();
-        page.canvas.fill_loops(&loops, *tint, 1.0);
+/// The emitters in the order in which they are drawn, with their loops on the
+/// page: larger ones first, so that nested ones stay visible.
+fn stacked(page: &Page, emitters: &[EmitterShape]) -> Vec<(usize, Loops)> {
+    let mut stacked: Vec<(usize, Loops)> = emitters
+        .iter()
+        .map(|emitter| emitter.loops.iter().map(|points| page.pixels(points)))
+        .map(Iterator::collect)
+        .enumerate()
+        .collect();
+    stacked.sort_by(|a, b| region::area(&b.1).total_cmp(&region::area(&a.1)));
+    stacked
+}
+
+fn draw_emitters(canvas: &mut Canvas, stacked: &[(usize, Loops)], tints: &[Rgb]) {
+    for (index, loops) in stacked {
+        canvas.fill_loops(loops, tints[*index], 1.0);
     }
-    for emitter in emitters {
-        for points in &emitter.loops {
-            let points = page.pixels(points);
-            page.canvas
-                .stroke(&points, true, Pen::new([70, 70, 70], 1.3, 1.0));
-        }
+    for points in stacked.iter().flat_map(|(_, loops)| loops) {
+        canvas.stroke(points, true, Pen::new([70, 70, 70], 1.3, 1.0));
     }
 }
 
 /// Writes each emitter's number where it is farthest from edges, samples and
 /// other numbers.
-fn number_emitters(page: &mut Page, plan: &SamplePlan) {
-    let mut obstacles: Vec<[f32; 2]> = plan
-        .samples
+fn number_emitters(page: &mut Page, stacked: &[(usize, Loops)], samples: &[SampleMark]) {
+    let mut obstacles: Vec<[f32; 2]> = samples
         .iter()
         .map(|sample| page.pixel(sample.position))
         .collect();
-    for (index, emitter) in plan.emitters.iter().enumerate() {
-        let loops: Vec<_> = emitter
-            .loops
+    for (depth, (index, loops)) in stacked.iter().enumerate() {
+        let above: Vec<Loops> = stacked[depth + 1..]
             .iter()
-            .map(|points| page.pixels(points))
+            .map(|(_, loops)| loops.clone())
             .collect();
-        if let Some(at) = roomiest(page.map, &loops, &obstacles) {
+        if let Some(at) = region::roomiest(page.map, loops, &above, &obstacles) {
             let label = (index + 1).to_string();
             let radius = 4.0 + text::width(&label, BODY) / 2.0 + 3.0;
             disc(&mut page.canvas, at, radius, WHITE);
@@ -145,48 +158,14 @@ fn number_emitters(page: &mut Page, plan: &SamplePlan) {
     }
 }
 
-/// The place of a grid over `map` that is inside an odd number of loops and
-/// has the largest circle free of their edges and of obstacles.
-fn roomiest(map: Frame, loops: &[Vec<[f32; 2]>], obstacles: &[[f32; 2]]) -> Option<[f32; 2]> {
-    const STEPS: usize = 60;
-    let mut best: Option<(f32, [f32; 2])> = None;
-    for cell in 0..STEPS * STEPS {
-        let at = [
-            map.x + ((cell % STEPS) as f32 + 0.5) / STEPS as f32 * map.width,
-            map.y + ((cell / STEPS) as f32 + 0.5) / STEPS as f32 * map.height,
-        ];
-        let mut inside = false;
-        let mut room = f32::INFINITY;
-        for points in loops {
-            for (index, a) in points.iter().enumerate() {
-                let b = points[(index + 1) % points.len()];
-                if (a[1] > at[1]) != (b[1] > at[1])
-                    && at[0] < a[0] + (at[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
-                {
-                    inside = !inside;
-                }
-                room = room.min(distance_to_segment(at, *a, b));
-            }
-        }
-        for obstacle in obstacles {
-            room = room.min((at[0] - obstacle[0]).hypot(at[1] - obstacle[1]));
-        }
-        if inside && best.is_none_or(|(most, _)| room > most) {
-            best = Some((room, at));
-        }
-    }
-    best.map(|(_, at)| at)
-}
-
-fn distance_to_segment(at: [f32; 2], a: [f32; 2], b: [f32; 2]) -> f32 {
-    let along = [b[0] - a[0], b[1] - a[1]];
-    let squared = along[0] * along[0] + along[1] * along[1];
-    let share = if squared > 0.0 {
-        (((at[0] - a[0]) * along[0] + (at[1] - a[1]) * along[1]) / squared).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
-    (at[0] - a[0] - share * along[0]).hypot(at[1] - a[1] - share * along[1])
+/// Whether some of the field is not covered by emitters and so to be explained.
+fn field_shows(page: &Page, field: &SurfaceField, stacked: &[(usize, Loops)]) -> bool {
+    (0..field.values.len())
+        .filter(|cell| field.inside[*cell])
+        .any(|cell| {
+            let at = page.pixel(field.middle(cell));
+            !stacked.iter().any(|(_, loops)| region::inside(loops, at))
+        })
 }
 
 /// How a kind of sample is drawn. Shapes and colours (Okabe & Ito) differ
@@ -278,7 +257,13 @@ fn ring(canvas: &mut Canvas, at: [f32; 2], radius: f32, pen: Pen) {
     canvas.stroke(&circle(at, radius), true, pen);
 }
 
-fn legend(page: &mut Page, plan: &SamplePlan, tags: &[&str], tints: &[Rgb]) {
+fn legend(
+    page: &mut Page,
+    plan: &SamplePlan,
+    tags: &[&str],
+    tints: &[Rgb],
+    field: Option<&SurfaceField>,
+) {
     let room = page.legend;
     let canvas = &mut page.canvas;
     let mut y = room.y + 8.0;
@@ -301,7 +286,7 @@ fn legend(page: &mut Page, plan: &SamplePlan, tags: &[&str], tints: &[Rgb]) {
     }
     y += 12.0;
     if !plan.emitters.is_empty() {
-        let heading_text = format!("emitters, {}", irradiance_unit(plan.quantity));
+        let heading_text = format!("emitters, {}", radiosity_unit(plan.quantity));
         heading(canvas, &mut y, &heading_text);
         y = emitter_legend(
             canvas,
@@ -313,7 +298,7 @@ fn legend(page: &mut Page, plan: &SamplePlan, tags: &[&str], tints: &[Rgb]) {
             tints,
         );
     }
-    if let Some(field) = &plan.field {
+    if let Some(field) = field {
         let meaning = format!(
             "grey: {}, the brighter the lighter",
             irradiance_name(field.quantity)
@@ -349,23 +334,6 @@ fn emitter_legend(canvas: &mut Canvas, room: Frame, plan: &SamplePlan, tints: &[
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_number_stands_inside_the_band_and_not_in_its_hole() {
-        let square = |r: f32| {
-            vec![
-                [50.0 - r, 50.0 - r],
-                [50.0 + r, 50.0 - r],
-                [50.0 + r, 50.0 + r],
-                [50.0 - r, 50.0 + r],
-            ]
-        };
-        let map = Frame::new(0.0, 0.0, 100.0, 100.0);
-        let at = roomiest(map, &[square(45.0), square(25.0)], &[]).unwrap();
-        let reach = (at[0] - 50.0).abs().max((at[1] - 50.0).abs());
-        assert!(reach > 25.0 && reach < 45.0, "{at:?}");
-        assert!(roomiest(map, &[], &[]).is_none());
-    }
 
     #[test]
     fn equal_steps_of_tint_follow_radiosity() {

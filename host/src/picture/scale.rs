@@ -108,7 +108,12 @@ impl SignedErrors {
         }
         sizes.sort_by(f64::total_cmp);
         let most = sizes[(0.98 * (sizes.len() - 1) as f64).round() as usize];
-        let limit = round_up(most.clamp(1e-6, 1e3));
+        // Where nearly all is right any scale will do.
+        let limit = if most > 0.0 {
+            round_up(most.clamp(1e-5, 1e3))
+        } else {
+            1.0
+        };
         Self {
             limit,
             exceeded: sizes.last().is_some_and(|size| *size > limit),

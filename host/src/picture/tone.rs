@@ -11,9 +11,14 @@ use crate::scene::Quantity;
 /// white, so that the brightest surfaces still show their shape.
 const NEARLY_WHITE: f64 = 0.9;
 
+/// The background on the linear scale: a dark blue, so that dark and grey surfaces
+/// keep their shape before it.
+const BACKGROUND: [f64; 3] = [0.020, 0.034, 0.070];
+
 /// Draws the view as a camera would: linear exposure that makes the 99th
 /// percentile of the lit pixels nearly white, then the sRGB transfer function
-/// (IEC 61966-2-1). Luminaires are clipped to white. One pixel of the view is
+/// (IEC 61966-2-1). Luminaires are clipped to
+/// white, the background is a dark blue. One pixel of the view is
 /// one of the picture.
 ///
 /// # Errors
@@ -114,10 +119,11 @@ fn draw(canvas: &mut Canvas, frame: Frame, view: &CameraView, exposure: f64) {
         let (y0, y1) = covered(row, down, view.height);
         let mut sum = [0.0; 3];
         for y in y0..y1 {
-            for pixel in view.pixels[y * view.width + x0..y * view.width + x1]
-                .iter()
-                .flatten()
-            {
+            for pixel in &view.pixels[y * view.width + x0..y * view.width + x1] {
+                let Some(pixel) = pixel else {
+                    sum.iter_mut().zip(BACKGROUND).for_each(|(s, b)| *s += b);
+                    continue;
+                };
                 for (sum, radiance) in sum.iter_mut().zip(pixel.radiance) {
                     // Clipped before the mean: a luminaire's rim is not wider than it.
                     *sum += linear(radiance, exposure, pixel.luminaire);
@@ -165,10 +171,11 @@ mod tests {
 
     #[test]
     fn the_transfer_function_is_srgb() {
-        // Values from the standard: mid grey 0.2140 encodes 0.5, 0.0031308 the knee.
+        // By hand from the standard's formula; 0.0031308 is its knee.
         assert_eq!(srgb(0.0), 0);
         assert_eq!(srgb(1.0), 255);
-        assert_eq!(srgb(0.214_04), 128);
+        assert_eq!(srgb(0.5), 188);
+        assert_eq!(srgb(0.01), 25);
         assert_eq!(srgb(0.003_130_8), 10);
     }
 
