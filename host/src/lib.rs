@@ -9,11 +9,12 @@
 //! ```
 //!
 //! Rooms, ground floor first; each imports only those above it in this list:
-//! [`scene`], [`compare`], [`report`].
+//! [`scene`], [`compare`], [`report`], [`picture`].
 
 pub mod bake;
 pub mod compare;
 pub mod plan;
+pub mod picture;
 pub mod report;
 pub mod scene;
 pub mod solve;
