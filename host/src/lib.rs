@@ -11,4 +11,5 @@
 //! Rooms, ground floor first; each imports only those above it in this list:
 //! [`scene`].
 
+pub mod reference;
 pub mod scene;
