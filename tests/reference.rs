@@ -197,3 +197,103 @@ fn the_simple_scenes_are_met_within_1e_9() {
         assert!(once.accuracy() <= 1e-9);
     }
 }
+
+#[test]
+fn unlike_points_in_bulk_equal_points_one_by_one() {
+    let [file, _] = simple_scenes();
+    let judge = reference(&polygons_of(&file), Reflections::AtMost(1));
+    let points: Vec<(DVec3, DVec3)> = (0..40_000)
+        .map(|index| {
+            let (i, j) = (index % 200, index / 200);
+            let place = DVec3::new(3.7 + (i as f64 + 0.5) / 40.0, (j as f64 + 0.5) / 40.0 - 2.5, 2.2);
+            (place, -DVec3::Z)
+        })
+        .collect();
+    let start = std::time::Instant::now();
+    let bulk = judge.irradiance_at(&points);
+    println!("40 000 points on B in {:.2?}", start.elapsed());
+    for (point, value) in points.iter().zip(&bulk).step_by(97) {
+        assert_eq!(judge.irradiance(point.0, point.1).to_bits(), value.to_bits());
+    }
+    let on_a: Vec<(DVec3, DVec3)> = points
+        .iter()
+        .map(|(place, _)| (DVec3::new(place.x - 6.2, place.y, 0.0), DVec3::Z))
+        .collect();
+    let start = std::time::Instant::now();
+    judge.irradiance_at(&on_a);
+    println!("40 000 points on A in {:.2?}", start.elapsed());
+}
+
+/// After N reflections in a closed room whose every surface has radiance L
+/// and reflectance rho, E = pi L (1 - rho^(N+1)) / (1 - rho) everywhere.
+#[test]
+fn a_closed_room_that_glows_evenly_is_lit_evenly() {
+    let (radiance, rho) = (2.0, 0.5);
+    let faces = room(DVec3::new(3.0, 2.0, 1.0));
+    let scene = scene(
+        faces
+            .iter()
+            .enumerate()
+            .map(|(index, face)| surface(&index.to_string(), face.clone(), rho, radiance))
+            .collect(),
+    );
+    for count in [0, 1, 2, 5, 20] {
+        let start = std::time::Instant::now();
+        let judge = reference(&scene, Reflections::AtMost(count));
+        let ready = start.elapsed();
+        let expected = std::f64::consts::PI * radiance * (1.0 - rho_power(rho, count + 1)) / (1.0 - rho);
+        let mut worst = 0.0_f64;
+        for face in &faces {
+            let normal = (face[1] - face[0]).cross(face[2] - face[0]);
+            for (u, v) in [(0.5, 0.5), (0.013, 0.77), (0.99, 0.002), (0.3, 1e-6)] {
+                let place = face[0] + (face[1] - face[0]) * u + (face[3] - face[0]) * v;
+                let error = judge.irradiance(place, normal) / expected - 1.0;
+                worst = worst.max(error.abs());
+            }
+        }
+        let inside = judge.irradiance(DVec3::new(1.0, 0.4, 0.3), DVec3::new(0.3, -0.5, 0.8));
+        worst = worst.max((inside / expected - 1.0).abs());
+        println!("{count} reflections: {worst:.1e}, ready in {ready:.1?}, {:.1?}", start.elapsed());
+        assert!(worst <= if count <= 1 { 1e-9 } else { 1e-6 }, "{count} {worst:e}");
+        assert!(judge.accuracy() <= 1e-6);
+    }
+}
+
+fn rho_power(rho: f64, exponent: usize) -> f64 {
+    (0..exponent).map(|_| rho).product()
+}
+
+/// A room lit by a panel below its ceiling, every wall of its own colour.
+fn lit_room() -> Scene {
+    let faces = room(DVec3::new(4.0, 3.0, 2.5));
+    let mut surfaces: Vec<Surface> = faces
+        .iter()
+        .enumerate()
+        .map(|(index, face)| surface(&index.to_string(), face.clone(), 0.3 + 0.1 * index as f64, 0.0))
+        .collect();
+    let panel = [[1.0, 1.0], [1.0, 2.0], [2.5, 2.0], [2.5, 1.0]].map(|[x, y]| DVec3::new(x, y, 2.5));
+    surfaces.push(surface("panel", panel.to_vec(), 0.0, 10.0));
+    scene(surfaces)
+}
+
+#[test]
+fn a_room_of_many_reflections_converges() {
+    let scene = lit_room();
+    for reflections in [Reflections::AtMost(1), Reflections::AtMost(2), Reflections::UntilUnshot(1e-3)] {
+        let start = std::time::Instant::now();
+        let judge = reference(&scene, reflections);
+        let ready = start.elapsed();
+        let points: Vec<(DVec3, DVec3)> = (0..400)
+            .map(|i| {
+                let place = DVec3::new(0.0, 3.0 * ((i % 20) as f64 + 0.5) / 20.0, 2.5 * ((i / 20) as f64 + 0.5) / 20.0);
+                (place, DVec3::X)
+            })
+            .collect();
+        let start = std::time::Instant::now();
+        let values = judge.irradiance_at(&points);
+        println!(
+            "{reflections:?}: {} reflections, accuracy {:.1e}, ready in {ready:.1?}, {:.1?} a point, {}",
+            judge.reflections(), judge.accuracy(), start.elapsed() / 400, values[210]
+        );
+    }
+}

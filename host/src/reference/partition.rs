@@ -31,10 +31,11 @@ pub(super) fn quadrilaterals(
         let mut split = Vec::with_capacity(pieces.len());
         for piece in pieces {
             let sides = [1.0, -1.0].map(|side| clip(&piece, plane, side));
-            if sides
-                .iter()
-                .all(|part| part.len() >= 3 && area(part, normal) > NEGLIGIBLE * whole)
-            {
+            let divides = crosses(&piece, plane)
+                && sides
+                    .iter()
+                    .all(|part| part.len() >= 3 && area(part, normal) > NEGLIGIBLE * whole);
+            if divides {
                 split.extend(sides);
             } else {
                 split.push(piece);
@@ -89,6 +90,16 @@ fn convex_pieces(polygon: &[DVec3], normal: DVec3) -> Option<Vec<Vec<DVec3>>> {
     let whole = area(polygon, normal);
     let covered: f64 = triangles.iter().map(|corners| area(corners, normal)).sum();
     ((covered - whole).abs() <= 1e-9 * whole).then_some(triangles)
+}
+
+/// Whether the polygon has vertices on either side of the plane by more than
+/// rounding; the plane of the polygon itself does not cross it.
+fn crosses(polygon: &[DVec3], plane: &Plane) -> bool {
+    let rounding = 1e-12 * (polygon[0] - plane.point).length()
+        + 1e-12 * polygon.iter().map(|v| v.distance(polygon[0])).sum::<f64>();
+    let height = |vertex: &DVec3| plane.normal.dot(*vertex - plane.point);
+    polygon.iter().any(|vertex| height(vertex) > rounding)
+        && polygon.iter().any(|vertex| height(vertex) < -rounding)
 }
 
 /// The part of a convex polygon on one side of a plane.
@@ -153,7 +164,11 @@ mod tests {
             point: DVec3::new(2.2, 0.0, 0.0),
             normal: DVec3::new(0.8, 0.6, 0.0),
         };
-        let pieces = quadrilaterals(&polygon, DVec3::Z, &[plane]).expect("a simple polygon");
+        let own = Plane {
+            point: polygon[3],
+            normal: DVec3::Z,
+        };
+        let pieces = quadrilaterals(&polygon, DVec3::Z, &[plane, own]).expect("a simple polygon");
         let covered: f64 = pieces.iter().map(|piece| area(piece, DVec3::Z)).sum();
         assert!((covered - 6.0).abs() < 1e-12);
         for piece in pieces {
