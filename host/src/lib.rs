@@ -16,5 +16,6 @@ pub mod compare;
 pub mod plan;
 pub mod picture;
 pub mod report;
+pub mod reference;
 pub mod scene;
 pub mod solve;

@@ -1,2 +1,2 @@
 //! Firmware.
-fn main(){}
+fn main() {}
