@@ -9,6 +9,7 @@
 //! ```
 //!
 //! Rooms, ground floor first; each imports only those above it in this list:
-//! [`scene`].
+//! [`scene`], [`device`].
 
+pub mod device;
 pub mod scene;
