@@ -104,7 +104,7 @@ fn job() -> Result<String, String> {
             )
         })?;
     let tables = match variable("ISOLUX_TABLES") {
-        None => "*b\"\"".to_owned(),
+        None => "b\"\"".to_owned(),
         Some(path) => {
             if !Path::new(&path).is_file() {
                 return Err(format!(
@@ -112,7 +112,7 @@ fn job() -> Result<String, String> {
                 ));
             }
             println!("cargo::rerun-if-changed={path}");
-            format!("*include_bytes!({path:?})")
+            format!("include_bytes!({path:?})")
         }
     };
     let mut source = String::new();
@@ -127,11 +127,11 @@ fn job() -> Result<String, String> {
         format!("pub(crate) type Arithmetic = {arithmetic};"),
         "/// When to stop shooting.".to_owned(),
         format!("pub(crate) const STOP: isolux::shoot::Stop = isolux::shoot::Stop::{stop};"),
-        format!("const LENGTH: usize = {{ let bytes: &[u8] = &{tables}; bytes.len() }};"),
+        format!("const LENGTH: usize = {tables}.len();"),
         "/// The baked tables, read in place.".to_owned(),
         "#[unsafe(no_mangle)]".to_owned(),
         "pub(crate) static ISOLUX_TABLES: isolux::scene::Aligned<[u8; LENGTH]> =".to_owned(),
-        format!("    isolux::scene::Aligned({tables});"),
+        format!("    isolux::scene::Aligned(*{tables});"),
     ];
     for line in lines {
         writeln!(source, "{line}").expect("a String takes any text");

@@ -2,11 +2,11 @@
 
 /// VSQRT of the FPU: one instruction, correctly rounded as libm's software root
 /// is, so the bits stay the same and only the cost changes.
-#[cfg(target_abi = "eabihf")]
+#[cfg(all(target_abi = "eabihf", not(feature = "software-root")))]
 #[derive(Clone, Copy)]
 pub(crate) enum Vsqrt {}
 
-#[cfg(target_abi = "eabihf")]
+#[cfg(all(target_abi = "eabihf", not(feature = "software-root")))]
 impl isolux::number::Root<f32> for Vsqrt {
     #[inline(always)]
     fn sqrt(x: f32) -> f32 {
