@@ -9,7 +9,9 @@
 //! ```
 //!
 //! Rooms, ground floor first; each imports only those above it in this list:
-//! [`scene`], [`device`].
+//! [`scene`], [`compare`], [`report`], [`device`].
 
+pub mod compare;
 pub mod device;
+pub mod report;
 pub mod scene;

@@ -5,7 +5,30 @@
 //! photometric scene), irradiances W m⁻² (lx). A polygon faces the side from
 //! which its vertices run counter-clockwise.
 
+pub mod body;
+pub mod camera;
+pub mod diagnostic;
+mod document;
+pub mod file;
+pub mod frame;
+pub mod points;
+pub mod polygon;
+pub mod requires;
+pub mod rungs;
+mod section;
+mod settings;
+pub mod shipped;
+
 use glam::DVec3;
+
+pub use diagnostic::Diagnostic;
+pub use document::MAX_COORDINATE;
+pub use settings::parse_bytes;
+
+/// A surface never occludes a point on its own plane; a point is on it within
+/// this part of the scene's largest absolute coordinate, because the points of
+/// rotated or rounded scenes lie a little off.
+pub const PLANE_TOLERANCE: f64 = 1e-6;
 
 /// A validated scene, in the order of its file.
 #[derive(Clone, Debug)]
@@ -113,4 +136,68 @@ pub struct Budget {
     pub flash: Option<u64>,
     /// Form-factor samples.
     pub samples: Option<u64>,
+}
+
+impl Scene {
+    /// The largest absolute coordinate of its surfaces in metres.
+    pub fn largest_coordinate(&self) -> f64 {
+        largest_coordinate(&self.surfaces)
+    }
+
+    /// The distance in metres within which a point counts as on a plane:
+    /// [`PLANE_TOLERANCE`] of the largest absolute coordinate.
+    pub fn plane_tolerance(&self) -> f64 {
+        PLANE_TOLERANCE * self.largest_coordinate()
+    }
+
+    /// The index of the surface of that name.
+    pub fn surface_named(&self, name: &str) -> Option<usize> {
+        self.surfaces
+            .iter()
+            .position(|surface| surface.name == name)
+    }
+}
+
+impl Surface {
+    /// The mean of the vertices, in metres: a place on the surface's plane.
+    pub fn center(&self) -> DVec3 {
+        polygon::center(&self.vertices)
+    }
+
+    /// Signed distance in metres of a place from the surface's plane, positive
+    /// on the front.
+    pub fn height_of(&self, place: DVec3) -> f64 {
+        (place - self.center()).dot(self.normal)
+    }
+
+    /// Whether it emits in any channel.
+    pub fn emits(&self) -> bool {
+        self.radiance.iter().any(|&radiance| radiance > 0.0)
+    }
+
+    /// Whether it reflects in any channel.
+    pub fn reflects(&self) -> bool {
+        self.reflectance.iter().any(|&rho| rho > 0.0)
+    }
+}
+
+fn largest_coordinate(surfaces: &[Surface]) -> f64 {
+    surfaces
+        .iter()
+        .flat_map(|surface| &surface.vertices)
+        .fold(0.0, |largest: f64, vertex| {
+            largest.max(vertex.abs().max_element())
+        })
+}
+
+/// The direction of `vector` at unit length; `None` for zero. Neither huge nor
+/// tiny lengths are lost.
+fn unit(vector: DVec3) -> Option<DVec3> {
+    let largest = vector.abs().max_element();
+    if largest == 0.0 || !largest.is_finite() {
+        return None;
+    }
+    // Dividing twice, not multiplying by a reciprocal: an axis stays exact.
+    let scaled = vector / largest;
+    Some(scaled / scaled.length())
 }
