@@ -1,2 +1,7 @@
-//! The program.
-fn main() {}
+//! The `isolux` program.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    isolux_host::cli::main()
+}

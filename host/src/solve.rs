@@ -96,6 +96,7 @@ trait Lit: Send + Sync {
     fn irradiance(&self) -> &[f32];
     fn at(&self, receiver: &Receiver<f32>) -> f32;
     fn radiosity(&self, emitter: usize) -> f32;
+    fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<f32>, Error>;
     fn row(&self, surface: usize, grid: [u32; 2], row: u32, out: &mut [f32]) -> Result<u32, Error>;
 }
 
@@ -114,6 +115,11 @@ impl<A: Arithmetic<f32> + Send + Sync> Lit for Light<'_, A, SAMPLES, EMITTERS> {
 
     fn radiosity(&self, emitter: usize) -> f32 {
         Light::radiosity(self, emitter)
+    }
+
+    fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<f32>, Error> {
+        let filtered = self.resample_at::<HostRoot>(surface, place)?;
+        Ok(filtered.map(|filtered| filtered.value))
     }
 
     fn row(&self, surface: usize, grid: [u32; 2], row: u32, out: &mut [f32]) -> Result<u32, Error> {
@@ -166,6 +172,15 @@ impl Solution<'_> {
             Ok(self.light.at(&Receiver::new::<HostRoot>(position, normal)?))
         };
         receivers.par_iter().map(one).collect()
+    }
+
+    /// Irradiance resampled at (u, v), metres in the frame of a surface; `None`
+    /// for a surface without samples.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] where there is no such surface.
+    pub fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<f32>, Error> {
+        self.light.resampled(surface, place)
     }
 
     /// A surface resampled on `resolution` × `resolution` cells of its bounding

@@ -6,7 +6,7 @@ use super::isolines::{DrawnIsoline, draw_labels, draw_lines, isolines};
 use super::scale::Amounts;
 use super::view::{Placed, drawn_size};
 use super::{
-    CameraView, Picture, PictureError, SurfaceField, colour_bar, irradiance_name, irradiance_unit,
+    CameraView, Picture, PictureError, SurfaceField, colour_bar,
 };
 use crate::report::quantity;
 use crate::scene::Quantity;
@@ -25,7 +25,7 @@ pub(super) const BACKGROUND: Rgb = [212, 217, 222];
 pub fn false_colour(field: &SurfaceField) -> Result<Picture, PictureError> {
     field.check()?;
     let amounts = Amounts::fit(field.lit());
-    let title = format!("{}: {}", field.name, irradiance_name(field.quantity));
+    let title = format!("{}: {}", field.name, field.quantity.irradiance_name());
     let captions = [describe(field.lit(), &amounts, field.quantity)];
     let mut page = Page::new(&title, &captions, field.low, field.size)?;
     let sources = page.sources(field);
@@ -56,8 +56,8 @@ pub fn false_colour(field: &SurfaceField) -> Result<Picture, PictureError> {
     draw_labels(&mut page.canvas, &lines, map, free, &mut Vec::new());
     page.axes();
     let heading = [
-        irradiance_name(field.quantity),
-        irradiance_unit(field.quantity),
+        field.quantity.irradiance_name(),
+        field.quantity.irradiance_unit(),
     ];
     colour_bar::amounts(&mut page.canvas, page.legend, &heading, &amounts);
     Ok(Picture {
@@ -107,8 +107,8 @@ pub fn camera_false_colour(
     }
     canvas.border(placed.frame, GREY);
     let heading = [
-        irradiance_name(quantity_shown),
-        irradiance_unit(quantity_shown),
+        quantity_shown.irradiance_name(),
+        quantity_shown.irradiance_unit(),
     ];
     let mut bar = legend;
     if has_luminaires(view) {
@@ -193,7 +193,7 @@ fn describe(
     amounts: &Amounts,
     quantity_shown: Quantity,
 ) -> String {
-    let unit = irradiance_unit(quantity_shown);
+    let unit = quantity_shown.irradiance_unit();
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for value in values.filter(|value| value.is_finite()) {
         low = low.min(value);

@@ -214,30 +214,6 @@ impl std::error::Error for PictureError {
     }
 }
 
-/// The unit of irradiance as it is printed.
-fn irradiance_unit(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Radiometric => "W/m²",
-        Quantity::Photometric => "lx",
-    }
-}
-
-/// The unit of radiosity as it is printed.
-fn radiosity_unit(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Radiometric => "W/m²",
-        Quantity::Photometric => "lm/m²",
-    }
-}
-
-/// What irradiance is called.
-fn irradiance_name(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Radiometric => "irradiance",
-        Quantity::Photometric => "illuminance",
-    }
-}
-
 impl CameraView {
     fn check(&self) -> Result<(), PictureError> {
         let count = self.width.checked_mul(self.height);

@@ -6,7 +6,7 @@ use super::canvas::{Anchor, BODY, Canvas, Frame, GREY, Pen, Rgb, SMALL, WHITE, m
 use super::scale::Amounts;
 use super::{
     EmitterShape, Picture, PictureError, SampleMark, SamplePlan, SurfaceField, check_rectangle,
-    colour_bar, irradiance_name, radiosity_unit, region, scale, text,
+    colour_bar, region, scale, text,
 };
 use crate::report::quantity;
 
@@ -286,7 +286,7 @@ fn legend(
     }
     y += 12.0;
     if !plan.emitters.is_empty() {
-        let heading_text = format!("emitters, {}", radiosity_unit(plan.quantity));
+        let heading_text = format!("emitters, {}", plan.quantity.radiosity_unit());
         heading(canvas, &mut y, &heading_text);
         y = emitter_legend(
             canvas,
@@ -301,7 +301,7 @@ fn legend(
     if let Some(field) = field {
         let meaning = format!(
             "grey: {}, the brighter the lighter",
-            irradiance_name(field.quantity)
+            field.quantity.irradiance_name()
         );
         colour_bar::swatch(canvas, room, y + 6.0, &meaning, |column, _| {
             grey(column as f64 / 29.0)

@@ -1,0 +1,147 @@
+//! Runs a linked firmware on an emulated core.
+//!
+//! `qemu-system-arm` counts instructions (`-icount`): every one takes 2⁷ ns of
+//! the device's time, whatever the machine it runs on is doing, so two runs of
+//! one firmware give the same counts. The firmware's console and its exit
+//! status come back by semihosting.
+
+use std::io::Read;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use super::error::Error;
+
+/// The emulator's program.
+pub(crate) const PROGRAM: &str = "qemu-system-arm";
+
+/// A core the firmware runs on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Core {
+    /// Cortex-M4 with the single-precision FPU, on Arm's AN386 board: the
+    /// device isolux is made for.
+    CortexM4F,
+    /// Cortex-M7 on Arm's AN500 board, the same program. Its real counterpart
+    /// issues two instructions at a time; counts, not cycles, are comparable.
+    CortexM7,
+    /// Cortex-M4 without FPU: every operation of `f32` is a function of the
+    /// compiler's runtime. On the AN386 board.
+    CortexM4Soft,
+}
+
+impl Core {
+    /// Every core, the device first.
+    pub const ALL: [Self; 3] = [Self::CortexM4F, Self::CortexM7, Self::CortexM4Soft];
+
+    /// The name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::CortexM4F => "cortex-m4f",
+            Self::CortexM7 => "cortex-m7",
+            Self::CortexM4Soft => "cortex-m4 soft-float",
+        }
+    }
+
+    /// The Rust target its program is built for.
+    pub fn target(self) -> &'static str {
+        match self {
+            Self::CortexM4F | Self::CortexM7 => "thumbv7em-none-eabihf",
+            Self::CortexM4Soft => "thumbv7em-none-eabi",
+        }
+    }
+
+    /// The emulator's board.
+    pub fn machine(self) -> &'static str {
+        match self {
+            Self::CortexM4F | Self::CortexM4Soft => "mps2-an386",
+            Self::CortexM7 => "mps2-an500",
+        }
+    }
+}
+
+/// What a run left behind.
+pub(crate) struct Output {
+    /// Exit status; `None` where a signal ended the emulator.
+    pub(crate) status: Option<i32>,
+    /// The firmware's console.
+    pub(crate) console: Vec<u8>,
+    /// What the emulator itself said.
+    pub(crate) complaints: String,
+}
+
+/// Runs a firmware to its end, or to the time limit.
+pub(crate) fn run(core: Core, program: &Path, limit: Duration) -> Result<Output, Error> {
+    let doing = || format!("running {PROGRAM}");
+    let mut child = Command::new(PROGRAM)
+        .args(["-machine", core.machine()])
+        .args(["-nographic", "-monitor", "none", "-serial", "null"])
+        .args(["-icount", "shift=7"])
+        .args(["-semihosting-config", "enable=on,target=native"])
+        .arg("-kernel")
+        .arg(program)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .map_err(Error::io(doing()))?;
+    let console = drain(child.stdout.take());
+    let complaints = drain(child.stderr.take());
+    let ended = wait(&mut child, limit);
+    if !matches!(ended, Ok(Some(_))) {
+        // Already gone is as good as stopped.
+        let _ = child.kill();
+        let _ = child.wait();
+    }
+    let (console, complaints) = (collect(console)?, collect(complaints)?);
+    match ended.map_err(Error::io(doing()))? {
+        None => Err(Error::TimeLimit {
+            core: core.name(),
+            limit,
+        }),
+        Some(status) => Ok(Output {
+            status: status.code(),
+            console,
+            complaints: String::from_utf8_lossy(&complaints).trim().to_owned(),
+        }),
+    }
+}
+
+/// Waits for the child's end; `None` when the limit comes first.
+fn wait(child: &mut Child, limit: Duration) -> std::io::Result<Option<std::process::ExitStatus>> {
+    let deadline = Instant::now() + limit;
+    let mut pause = Duration::from_millis(2);
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(Some(status));
+        }
+        let now = Instant::now();
+        if now >= deadline {
+            return Ok(None);
+        }
+        thread::sleep(pause.min(deadline - now));
+        pause = (pause * 2).min(Duration::from_millis(50));
+    }
+}
+
+/// A thread that empties a pipe.
+type Drain = thread::JoinHandle<std::io::Result<Vec<u8>>>;
+
+/// Empties a pipe beside the waiting, so that a talkative child never blocks.
+fn drain(pipe: Option<impl Read + Send + 'static>) -> Drain {
+    thread::spawn(move || {
+        let mut bytes = Vec::new();
+        if let Some(mut pipe) = pipe {
+            pipe.read_to_end(&mut bytes)?;
+        }
+        Ok(bytes)
+    })
+}
+
+/// What a pipe held.
+fn collect(drain: Drain) -> Result<Vec<u8>, Error> {
+    drain
+        .join()
+        .unwrap_or_else(|_| Err(std::io::Error::other("the reading thread failed")))
+        .map_err(Error::io(format!("reading the output of {PROGRAM}")))
+}

@@ -1,0 +1,256 @@
+//! Builds the firmware for one baked scene, from the sources this program was
+//! built from.
+
+use std::env;
+use std::ffi::OsStr;
+use std::fs::{self, File};
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use fs4::FileExt;
+use isolux::shoot::Stop;
+
+use super::Job;
+use super::emulator::{Core, PROGRAM};
+use super::error::Error;
+
+/// The package of the firmware.
+const PACKAGE: &str = "isolux-firmware";
+/// The profile it is built with.
+const PROFILE: &str = "firmware";
+/// Variables of the caller's environment that would change the firmware's code.
+const FOREIGN: [&str; 6] = [
+    "RUSTFLAGS",
+    "CARGO_ENCODED_RUSTFLAGS",
+    "CARGO_BUILD_RUSTFLAGS",
+    "CARGO_BUILD_TARGET",
+    "RUSTC_WRAPPER",
+    "RUSTC_WORKSPACE_WRAPPER",
+];
+
+/// A variant of the firmware, one program each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Variant {
+    /// libm's software root in place of the FPU's.
+    pub(crate) software_root: bool,
+    /// One resampled bit flipped: the negative control.
+    pub(crate) wrong_bit: bool,
+}
+
+/// The machine's tools that a firmware is built with, found once.
+#[derive(Clone, Debug)]
+pub struct Toolchain {
+    workspace: PathBuf,
+    sysroot: PathBuf,
+}
+
+impl Toolchain {
+    /// Finds the sources, the emulator and the Rust toolchain.
+    ///
+    /// # Errors
+    /// [`Error::Sources`] and [`Error::Missing`].
+    pub fn find() -> Result<Self, Error> {
+        let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .parent()
+            .unwrap_or(Path::new("/"))
+            .to_owned();
+        if !workspace.join("tests/firmware/Cargo.toml").is_file() {
+            return Err(Error::Sources { workspace });
+        }
+        answer(Command::new(PROGRAM).arg("--version")).ok_or_else(|| Error::Missing {
+            what: PROGRAM.to_owned(),
+            remedy: "install it with `apt-get install qemu-system-arm`, `brew install qemu`, or from https://www.qemu.org/download".to_owned(),
+        })?;
+        let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+        let sysroot = answer(
+            Command::new(rustc)
+                .args(["--print", "sysroot"])
+                .current_dir(&workspace),
+        )
+        .ok_or_else(|| Error::Missing {
+            what: "rustc".to_owned(),
+            remedy: "install Rust from https://rustup.rs".to_owned(),
+        })?;
+        Ok(Self {
+            workspace,
+            sysroot: PathBuf::from(sysroot.trim()),
+        })
+    }
+
+    /// Whether the core's Rust target is installed.
+    ///
+    /// # Errors
+    /// [`Error::Missing`] where it is not.
+    pub fn require(&self, core: Core) -> Result<(), Error> {
+        let target = core.target();
+        if self
+            .sysroot
+            .join("lib/rustlib")
+            .join(target)
+            .join("lib")
+            .is_dir()
+        {
+            return Ok(());
+        }
+        Err(Error::Missing {
+            what: format!("the Rust target {target}"),
+            remedy: format!(
+                "install it with `rustup target add {target}`, run in {}",
+                self.workspace.display()
+            ),
+        })
+    }
+
+    /// A tool of the toolchain's component `llvm-tools`, such as `llvm-objdump`.
+    ///
+    /// # Errors
+    /// [`Error::Missing`] where the component is not installed.
+    pub fn tool(&self, name: &str) -> Result<PathBuf, Error> {
+        let file = format!("{name}{}", env::consts::EXE_SUFFIX);
+        let libraries = self.sysroot.join("lib/rustlib");
+        fs::read_dir(&libraries)
+            .into_iter()
+            .flatten()
+            .flatten()
+            .map(|entry| entry.path().join("bin").join(&file))
+            .find(|path| path.is_file())
+            .ok_or_else(|| Error::Missing {
+                what: format!("{name} of the Rust toolchain"),
+                remedy: format!(
+                    "install it with `rustup component add llvm-tools`, run in {}",
+                    self.workspace.display()
+                ),
+            })
+    }
+
+    /// Links a program of the firmware's package and copies it to
+    /// `destination`. `environment` is what its build script reads.
+    ///
+    /// Runs at the same time wait for each other: they share the target
+    /// directory, and the next build overwrites the program.
+    ///
+    /// # Errors
+    /// [`Error::Build`] with what cargo said, [`Error::Io`].
+    pub fn link(
+        &self,
+        core: Core,
+        binary: &str,
+        features: &[&str],
+        environment: &[(&str, &OsStr)],
+        destination: &Path,
+    ) -> Result<(), Error> {
+        let directory = self.directory();
+        fs::create_dir_all(&directory)
+            .map_err(Error::io(format!("creating {}", directory.display())))?;
+        let _lock = lock(&directory)?;
+        let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+        for name in FOREIGN {
+            cargo.env_remove(name);
+        }
+        let built = cargo
+            .current_dir(&self.workspace)
+            .args(["build", "--quiet", "--package", PACKAGE, "--bin", binary])
+            .args(["--target", core.target(), "--profile", PROFILE])
+            .args(["--features", &features.join(",")])
+            .env("CARGO_TARGET_DIR", &directory)
+            .env("DEFMT_LOG", "info")
+            .envs(environment.iter().copied())
+            .stdin(Stdio::null())
+            .output()
+            .map_err(Error::io("running cargo"))?;
+        if !built.status.success() {
+            return Err(Error::Build {
+                what: format!("the program `{binary}` for {}", core.name()),
+                output: String::from_utf8_lossy(&built.stderr).trim().to_owned(),
+            });
+        }
+        let program = directory.join(core.target()).join(PROFILE).join(binary);
+        fs::copy(&program, destination)
+            .map_err(Error::io(format!("copying {}", program.display())))?;
+        Ok(())
+    }
+
+    /// Links a variant of the firmware for a job.
+    pub(crate) fn link_for(
+        &self,
+        job: &Job<'_>,
+        core: Core,
+        variant: Variant,
+        destination: &Path,
+    ) -> Result<(), Error> {
+        let tables = keep(&self.directory().join("tables"), job.tables)?;
+        let mut features: Vec<&str> = Vec::new();
+        if variant.software_root {
+            features.push("software-root");
+        }
+        if variant.wrong_bit {
+            features.push("wrong-bit");
+        }
+        let words = [
+            ("ISOLUX_SAMPLES", job.samples.to_string()),
+            ("ISOLUX_EMITTERS", job.emitters.to_string()),
+            ("ISOLUX_RESOLUTION", job.resolution.to_string()),
+            ("ISOLUX_ARITHMETIC", job.arithmetic.to_owned()),
+            ("ISOLUX_STOP", stop(job.stop)),
+        ];
+        let mut environment = vec![("ISOLUX_TABLES", tables.as_os_str())];
+        environment.extend(words.iter().map(|(name, word)| (*name, OsStr::new(word))));
+        self.link(core, "firmware", &features, &environment, destination)
+    }
+
+    /// Where the device's programs are built: apart from the host's, so that
+    /// neither waits for the other.
+    fn directory(&self) -> PathBuf {
+        self.workspace.join("target/device")
+    }
+}
+
+/// The stop rule as the firmware's build script reads it.
+fn stop(rule: Stop) -> String {
+    match rule {
+        Stop::Below { fraction, shots } => format!("below {fraction} {shots}"),
+        Stop::Shots(shots) => format!("shots {shots}"),
+        Stop::Reflections(times) => format!("reflections {times}"),
+    }
+}
+
+/// What a command prints, if it is there and succeeds.
+fn answer(command: &mut Command) -> Option<String> {
+    let output = command.stdin(Stdio::null()).output().ok()?;
+    output
+        .status
+        .success()
+        .then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// Writes the tables under a name of their content, so that a scene that has
+/// not changed is not built again.
+fn keep(directory: &Path, tables: &[u8]) -> Result<PathBuf, Error> {
+    fs::create_dir_all(directory)
+        .map_err(Error::io(format!("creating {}", directory.display())))?;
+    let mut hasher = DefaultHasher::new();
+    tables.hash(&mut hasher);
+    let path = directory.join(format!("{:016x}.bin", hasher.finish()));
+    if fs::read(&path).is_ok_and(|kept| kept == tables) {
+        return Ok(path);
+    }
+    // Written aside and renamed: another run never sees half of it.
+    let aside = tempfile::NamedTempFile::new_in(directory)
+        .map_err(Error::io(format!("writing into {}", directory.display())))?;
+    fs::write(aside.path(), tables)
+        .map_err(Error::io(format!("writing {}", aside.path().display())))?;
+    aside
+        .persist(&path)
+        .map_err(|error| Error::io(format!("writing {}", path.display()))(error.error))?;
+    Ok(path)
+}
+
+/// Holds the builds' lock until dropped.
+fn lock(directory: &Path) -> Result<File, Error> {
+    let path = directory.join("build.lock");
+    let doing = format!("locking {}", path.display());
+    let file = File::create(&path).map_err(Error::io(doing.clone()))?;
+    FileExt::lock(&file).map_err(Error::io(doing))?;
+    Ok(file)
+}

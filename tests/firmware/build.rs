@@ -1,0 +1,140 @@
+//! Gives the linker the device's memory and the firmware its job: the baked
+//! tables of one scene and the capacities they were planned for.
+//!
+//! The job comes from the environment, as `isolux device` sets it:
+//!
+//! | variable | holds |
+//! | --- | --- |
+//! | `ISOLUX_TABLES` | path of the baked tables (bytes) |
+//! | `ISOLUX_SAMPLES` | samples the scene's type has room for |
+//! | `ISOLUX_EMITTERS` | emitters the scene's type has room for |
+//! | `ISOLUX_RESOLUTION` | rows and columns of each resampled grid |
+//! | `ISOLUX_ARITHMETIC` | rung: `best` or `libm` |
+//! | `ISOLUX_STOP` | `below FRACTION SHOTS`, `shots N` or `reflections N` |
+//!
+//! Without `ISOLUX_TABLES` the firmware builds, says what it lacks and exits 1.
+
+use std::env;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The rungs a firmware may be built for, and the kernel's type of each.
+const ARITHMETIC: [(&str, &str); 2] = [
+    ("best", "isolux::form_factor::Best<crate::root::Chosen>"),
+    ("libm", "isolux::form_factor::Libm<crate::root::Chosen>"),
+];
+
+fn main() {
+    let manifest = PathBuf::from(variable("CARGO_MANIFEST_DIR").expect("set by cargo"));
+    let out = PathBuf::from(variable("OUT_DIR").expect("set by cargo"));
+    let memory = manifest.join("../../memory.x");
+    println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-changed={}", memory.display());
+    if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
+        return;
+    }
+    fs::copy(&memory, out.join("memory.x")).expect("memory.x is copied beside the linker script");
+    println!("cargo::rustc-link-search={}", out.display());
+    for argument in ["--nmagic", "-Tlink.x"] {
+        println!("cargo::rustc-link-arg-bins={argument}");
+    }
+    println!("cargo::rustc-link-arg-bin=firmware=-Tdefmt.x");
+    match job() {
+        Ok(source) => fs::write(out.join("job.rs"), source).expect("OUT_DIR is writable"),
+        Err(message) => println!("cargo::error={message}"),
+    }
+}
+
+/// An environment variable, watched for changes.
+fn variable(name: &str) -> Option<String> {
+    println!("cargo::rerun-if-env-changed={name}");
+    env::var(name).ok()
+}
+
+/// A count from the environment.
+fn count(name: &str, default: usize) -> Result<usize, String> {
+    match variable(name) {
+        None => Ok(default),
+        Some(text) => text
+            .parse()
+            .map_err(|_| format!("{name} is \"{text}\"; it must be a whole number")),
+    }
+}
+
+/// The stop rule, as an expression of the kernel's type.
+fn stop() -> Result<String, String> {
+    let text = variable("ISOLUX_STOP").unwrap_or_else(|| "below 0.001 4096".to_owned());
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let parsed = match *words.as_slice() {
+        ["below", fraction, shots] => match (fraction.parse::<f32>(), shots.parse::<u32>()) {
+            (Ok(fraction), Ok(shots)) => Some(format!(
+                "Below {{ fraction: f32::from_bits({:#x}), shots: {shots} }}",
+                fraction.to_bits()
+            )),
+            _ => None,
+        },
+        ["shots", shots] => shots.parse().ok().map(|n: u32| format!("Shots({n})")),
+        ["reflections", times] => times.parse().ok().map(|n: u32| format!("Reflections({n})")),
+        _ => None,
+    };
+    parsed.ok_or_else(|| {
+        format!(
+            "ISOLUX_STOP is \"{text}\"; it must be `below FRACTION SHOTS`, `shots N` or `reflections N`"
+        )
+    })
+}
+
+/// The Rust source of the job.
+fn job() -> Result<String, String> {
+    let stop = stop()?;
+    let samples = count("ISOLUX_SAMPLES", 1)?;
+    let emitters = count("ISOLUX_EMITTERS", 1)?;
+    let resolution = count("ISOLUX_RESOLUTION", 200)?;
+    let rung = variable("ISOLUX_ARITHMETIC").unwrap_or_else(|| "best".to_owned());
+    let arithmetic = ARITHMETIC
+        .iter()
+        .find(|(name, _)| *name == rung)
+        .map(|(_, kernel)| *kernel)
+        .ok_or_else(|| {
+            let names: Vec<&str> = ARITHMETIC.iter().map(|(name, _)| *name).collect();
+            format!(
+                "ISOLUX_ARITHMETIC is \"{rung}\"; the firmware knows {}",
+                names.join(", ")
+            )
+        })?;
+    let tables = match variable("ISOLUX_TABLES") {
+        None => "b\"\"".to_owned(),
+        Some(path) => {
+            if !Path::new(&path).is_file() {
+                return Err(format!(
+                    "ISOLUX_TABLES names \"{path}\", which is not a file"
+                ));
+            }
+            println!("cargo::rerun-if-changed={path}");
+            format!("include_bytes!({path:?})")
+        }
+    };
+    let mut source = String::new();
+    let lines = [
+        "/// Rows and columns of each resampled grid.".to_owned(),
+        format!("pub(crate) const RESOLUTION: usize = {resolution};"),
+        "/// Room for samples.".to_owned(),
+        format!("pub(crate) const SAMPLES: usize = {samples};"),
+        "/// Room for emitters.".to_owned(),
+        format!("pub(crate) const EMITTERS: usize = {emitters};"),
+        "/// The rung of form-factor arithmetic.".to_owned(),
+        format!("pub(crate) type Arithmetic = {arithmetic};"),
+        "/// When to stop shooting.".to_owned(),
+        format!("pub(crate) const STOP: isolux::shoot::Stop = isolux::shoot::Stop::{stop};"),
+        format!("const LENGTH: usize = {tables}.len();"),
+        "/// The baked tables, read in place.".to_owned(),
+        "#[unsafe(no_mangle)]".to_owned(),
+        "pub(crate) static ISOLUX_TABLES: isolux::scene::Aligned<[u8; LENGTH]> =".to_owned(),
+        format!("    isolux::scene::Aligned(*{tables});"),
+    ];
+    for line in lines {
+        writeln!(source, "{line}").expect("a String takes any text");
+    }
+    Ok(source)
+}

@@ -1,0 +1,198 @@
+//! The proof that no panic can be reached from the kernel.
+//!
+//! The panic handler calls a function that exists nowhere. Every entry point of
+//! the kernel is here as a function of its own that is called by nobody the
+//! optimiser knows, so it can assume nothing of the arguments. If any of them
+//! could panic, the handler would stay in the program and the link would fail
+//! for the missing symbol; this program links, so none can. `--features bad`
+//! adds one that can, and must not link.
+//!
+//! The program is never run. No logger is in it: its own panics would be found.
+
+#![cfg_attr(target_os = "none", no_std)]
+#![cfg_attr(target_os = "none", no_main)]
+
+#[cfg(target_os = "none")]
+mod root;
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    eprintln!("This program is for the device; it is linked, and never run.");
+    std::process::exit(2);
+}
+
+#[cfg(target_os = "none")]
+mod entries {
+    use core::hint::black_box;
+
+    use cortex_m as _; // the vector table's exceptions
+    use isolux::clip::{self, Corners, Place};
+    use isolux::form_factor::{self, Best, Libm, Outline};
+    use isolux::geometry::{Plane, Receiver};
+    use isolux::number::{self, Root, SoftRoot};
+    use isolux::resample::{self, Filtered, Row};
+    use isolux::scene::records::{self, Emitter, Surface};
+    use isolux::scene::{Scene, required_bytes};
+    use isolux::shoot::{self, Solved, Stop};
+    use isolux::{Error, budget};
+
+    use crate::root::Chosen;
+
+    unsafe extern "C" {
+        /// Defined nowhere: whoever needs it does not link.
+        fn isolux_panic_is_reachable() -> !;
+    }
+
+    #[panic_handler]
+    fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+        // SAFETY: never executed, because a program that contains this call
+        // does not link.
+        unsafe { isolux_panic_is_reachable() }
+    }
+
+    /// Capacities of the proof; no code depends on their values.
+    type Light<'t, A> = shoot::Light<'t, A, 64, 16>;
+    type BestLight<'t> = Light<'t, Best<Chosen>>;
+    type LibmLight<'t> = Light<'t, Libm<Chosen>>;
+
+    /// Defines each entry, and `keep`, which hands their addresses to nobody
+    /// knows whom.
+    macro_rules! entries {
+        ($($(#[$attribute:meta])* fn $name:ident($($argument:ident: $of:ty),* $(,)?) -> $gives:ty $body:block)*) => {
+            $(
+                $(#[$attribute])*
+                #[inline(never)]
+                #[unsafe(no_mangle)]
+                fn $name($($argument: $of),*) -> $gives $body
+            )*
+            fn keep() {
+                $(
+                    $(#[$attribute])*
+                    { black_box($name as fn($($of),*) -> $gives); }
+                )*
+            }
+        };
+    }
+
+    entries! {
+        fn isolux_entry_form_factor_best(receiver: &Receiver<f32>, vertices: &[[f32; 3]]) -> f32 {
+            form_factor::form_factor::<Best<Chosen>, f32>(receiver, vertices)
+        }
+        fn isolux_entry_form_factor_best_software_root(receiver: &Receiver<f32>, vertices: &[[f32; 3]]) -> f32 {
+            form_factor::form_factor::<Best<SoftRoot>, f32>(receiver, vertices)
+        }
+        fn isolux_entry_form_factor_libm(receiver: &Receiver<f32>, vertices: &[[f32; 3]]) -> f32 {
+            form_factor::form_factor::<Libm<Chosen>, f32>(receiver, vertices)
+        }
+        fn isolux_entry_form_factor_libm_software_root(receiver: &Receiver<f32>, vertices: &[[f32; 3]]) -> f32 {
+            form_factor::form_factor::<Libm<SoftRoot>, f32>(receiver, vertices)
+        }
+        fn isolux_entry_form_factor_best_f64(receiver: &Receiver<f64>, vertices: &[[f64; 3]]) -> f64 {
+            form_factor::form_factor::<Best<SoftRoot>, f64>(receiver, vertices)
+        }
+        fn isolux_entry_form_factor_of_two_loops(receiver: &Receiver<f32>, plane: &Plane<f32>, outline: &[[f32; 3]], hole: &[[f32; 3]]) -> f32 {
+            let loops = [Outline::new(outline), Outline::new(hole)];
+            form_factor::of_loops::<Best<Chosen>, f32>(receiver, plane, loops.into_iter())
+        }
+        fn isolux_entry_receiver(position: [f32; 3], normal: [f32; 3]) -> Result<Receiver<f32>, Error> {
+            Receiver::new::<Chosen>(position, normal)
+        }
+        fn isolux_entry_plane(vertices: &[[f32; 3]]) -> Plane<f32> {
+            Plane::of_polygon(vertices)
+        }
+        fn isolux_entry_clip(places: &[Place<f32>], out: &mut Corners<f32, 8>) -> Result<(), Error> {
+            clip::polygon(places.iter().copied(), out)
+        }
+        fn isolux_entry_scaled_arctangent(q: f32) -> f32 {
+            number::scaled_arctangent(q)
+        }
+        fn isolux_entry_residual_arctangent(w: f32) -> f32 {
+            number::residual_arctangent(w)
+        }
+        fn isolux_entry_root(x: f32) -> f32 {
+            SoftRoot::sqrt(x)
+        }
+
+        fn isolux_entry_load(tables: &'static [u8]) -> Result<Scene<'static>, Error> {
+            Scene::load(tables)
+        }
+        fn isolux_entry_checksum(bytes: &[u8]) -> u32 {
+            records::checksum(bytes)
+        }
+        fn isolux_entry_required_bytes(surfaces: u32, emitters: u32, loops: u32, vertices: u32, samples: u32, members: u32) -> Option<u32> {
+            required_bytes(surfaces, emitters, loops, vertices, samples, members)
+        }
+        fn isolux_entry_scene_surface(scene: &Scene<'static>, index: usize) -> Result<&'static Surface, Error> {
+            scene.surface(index)
+        }
+        fn isolux_entry_scene_samples_of(scene: &Scene<'static>, surface: &Surface) -> (usize, usize) {
+            let (first, places) = scene.samples_of(surface);
+            (first, places.len())
+        }
+        fn isolux_entry_scene_members_of(scene: &Scene<'static>, emitter: &Emitter) -> usize {
+            scene.members_of(emitter).len()
+        }
+        fn isolux_entry_scene_form_factor_best(scene: &Scene<'static>, receiver: &Receiver<f32>, emitter: &Emitter) -> f32 {
+            scene.form_factor::<Best<Chosen>>(receiver, emitter)
+        }
+        fn isolux_entry_scene_form_factor_libm(scene: &Scene<'static>, receiver: &Receiver<f32>, emitter: &Emitter) -> f32 {
+            scene.form_factor::<Libm<Chosen>>(receiver, emitter)
+        }
+        fn isolux_entry_budget(scene: &Scene<'static>) -> (u64, u64) {
+            (budget::direct_form_factors(scene), budget::reflection_form_factors(scene))
+        }
+
+        fn isolux_entry_light_new(scene: Scene<'static>) -> Result<BestLight<'static>, Error> {
+            Light::new(scene)
+        }
+        fn isolux_entry_light_darken(light: &mut BestLight<'static>) -> () {
+            light.darken();
+        }
+        fn isolux_entry_light_direct(light: &mut BestLight<'static>) -> () {
+            light.direct();
+        }
+        fn isolux_entry_light_reflect(light: &mut BestLight<'static>) -> u32 {
+            light.reflect()
+        }
+        fn isolux_entry_light_shoot(light: &mut BestLight<'static>) -> Option<usize> {
+            light.shoot()
+        }
+        fn isolux_entry_light_solve(light: &mut BestLight<'static>, stop: Stop) -> Solved {
+            light.solve(stop)
+        }
+        fn isolux_entry_light_solve_libm(light: &mut LibmLight<'static>, stop: Stop) -> Solved {
+            light.solve(stop)
+        }
+        fn isolux_entry_light_unshot_fraction(light: &BestLight<'static>) -> f32 {
+            light.unshot_fraction()
+        }
+        fn isolux_entry_light_radiosity(light: &BestLight<'static>, emitter: usize) -> f32 {
+            light.radiosity(emitter)
+        }
+        fn isolux_entry_light_at(light: &BestLight<'static>, receiver: &Receiver<f32>) -> f32 {
+            light.at(receiver)
+        }
+        fn isolux_entry_light_at_libm(light: &LibmLight<'static>, receiver: &Receiver<f32>) -> f32 {
+            light.at(receiver)
+        }
+        fn isolux_entry_light_resample_row(light: &BestLight<'static>, surface: usize, grid: [u32; 2], row: u32, out: &mut [f32]) -> Result<Row, Error> {
+            light.resample_row::<Chosen>(surface, grid, row, out)
+        }
+        fn isolux_entry_cone(places: &[[f32; 2]], values: &[f32], place: [f32; 2], radius: f32) -> Option<Filtered> {
+            resample::cone::<Chosen>(places, values, place, radius)
+        }
+
+        #[cfg(feature = "bad")]
+        fn isolux_entry_bad(values: &[f32], index: usize) -> f32 {
+            values[index]
+        }
+    }
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        keep();
+        loop {
+            cortex_m::asm::nop();
+        }
+    }
+}

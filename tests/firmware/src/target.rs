@@ -1,0 +1,188 @@
+//! The run itself: load, light, resample, log.
+
+use core::mem::{MaybeUninit, size_of};
+
+use cortex_m as _; // its critical section
+use cortex_m::singleton;
+use defmt_semihosting as _; // the global logger
+use isolux::Error;
+use isolux::budget;
+use isolux::scene::Scene;
+use isolux::shoot::{Solved, Stop};
+use semihosting::process;
+
+use crate::clock::Clock;
+use crate::job::{self, EMITTERS, ISOLUX_TABLES, RESOLUTION, SAMPLES};
+use crate::meter::{Cost, Meter};
+use crate::root::Chosen;
+
+/// The kernel's state for this scene.
+type Light = isolux::shoot::Light<'static, job::Arithmetic, SAMPLES, EMITTERS>;
+
+// What the budget sheet promises is what the state takes.
+const _: () = assert!(
+    size_of::<Light>() == budget::light_bytes(SAMPLES, EMITTERS),
+    "budget::light_bytes is not the size of Light on this target"
+);
+
+/// Rounding mode, flush to zero and default NaN in FPSCR: all must be 0, or the
+/// bits are not IEEE 754's.
+#[cfg(target_abi = "eabihf")]
+const FPSCR_MODES: u32 = 0x03c0_0000;
+
+// The kernel's steps, one function each: their costs are measured around the
+// call, and the bound of the stack is read off the linked program by name.
+
+/// Loads the tables in place and makes the dark state.
+#[inline(never)]
+#[unsafe(no_mangle)]
+fn isolux_step_load(state: &'static mut MaybeUninit<Light>) -> Result<&'static mut Light, Error> {
+    let scene = Scene::load(&ISOLUX_TABLES.0)?;
+    Ok(state.write(Light::new(scene)?))
+}
+
+/// Direct light alone.
+#[inline(never)]
+#[unsafe(no_mangle)]
+fn isolux_step_direct(light: &mut Light) {
+    light.direct();
+}
+
+/// Direct light and shots until the stop rule holds.
+#[inline(never)]
+#[unsafe(no_mangle)]
+fn isolux_step_solve(light: &mut Light, stop: Stop) -> Solved {
+    light.solve(stop)
+}
+
+/// One row of a surface's grid.
+#[inline(never)]
+#[unsafe(no_mangle)]
+fn isolux_step_resample(
+    light: &Light,
+    surface: usize,
+    row: u32,
+    out: &mut [f32; RESOLUTION],
+) -> Result<isolux::resample::Row, Error> {
+    let grid = [RESOLUTION as u32; 2];
+    light.resample_row::<Chosen>(surface, grid, row, out)
+}
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    match run() {
+        Ok(()) => process::exit(0),
+        Err(Failure::Kernel(error)) => defmt::error!("{}", error),
+        Err(Failure::Because(why)) => defmt::error!("{=str}", why),
+    }
+    process::exit(1)
+}
+
+/// Why the run ended early.
+enum Failure {
+    /// The kernel refused the scene.
+    Kernel(Error),
+    /// The device or the build is not what it must be.
+    Because(&'static str),
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Failure::Kernel(error)
+    }
+}
+
+fn run() -> Result<(), Failure> {
+    if ISOLUX_TABLES.0.is_empty() {
+        return Err(Failure::Because(
+            "built without tables: set ISOLUX_TABLES, as `isolux device SCENE` does",
+        ));
+    }
+    #[cfg(target_abi = "eabihf")]
+    if cortex_m::register::fpscr::read().bits() & FPSCR_MODES != 0 {
+        return Err(Failure::Because(
+            "FPSCR asks for another rounding than IEEE 754's default",
+        ));
+    }
+    let twice = Failure::Because("a singleton was taken twice");
+    let Some(peripherals) = cortex_m::Peripherals::take() else {
+        return Err(twice);
+    };
+    let Some(state) = singleton!(: MaybeUninit<Light> = MaybeUninit::uninit()) else {
+        return Err(twice);
+    };
+    let Some(row) = singleton!(: [f32; RESOLUTION] = [0.0; RESOLUTION]) else {
+        return Err(twice);
+    };
+    let clock = Clock::start(peripherals.SYST);
+    let (timer, systick) = clock.cross_check();
+    defmt::info!("cross-check timer {=u64} systick {=u64}", timer, systick);
+    let meter = Meter::new(clock);
+
+    let (light, cost) = meter.measure(|| isolux_step_load(state));
+    let light = light?;
+    log("load", cost);
+    let ((), cost) = meter.measure(|| isolux_step_direct(light));
+    log("direct", cost);
+    let (solved, cost) = meter.measure(|| isolux_step_solve(light, job::STOP));
+    log("solve", cost);
+    defmt::info!(
+        "solved shots {=u32} unshot {=f32}",
+        solved.shots,
+        solved.unshot
+    );
+
+    values(light.irradiance());
+    let mut count = light.irradiance().len();
+    let mut total = Cost::default();
+    let mut wrong_bit = cfg!(feature = "wrong-bit");
+    for surface in 0..light.scene().surfaces().len() {
+        if light.scene().surface(surface)?.samples == 0 {
+            continue;
+        }
+        for number in 0..RESOLUTION as u32 {
+            let (done, cost) = meter.measure(|| isolux_step_resample(light, surface, number, row));
+            done?;
+            total.and_then(cost);
+            if wrong_bit && let Some(value) = row.last_mut() {
+                *value = f32::from_bits(value.to_bits() ^ 1);
+                wrong_bit = false;
+            }
+            values(row);
+            count += row.len();
+        }
+    }
+    log("resample", total);
+    defmt::info!("end values {=usize}", count);
+    Ok(())
+}
+
+/// Logs what a step cost.
+fn log(step: &'static str, cost: Cost) {
+    defmt::info!(
+        "step {=str} instructions {=u64} stack {=u32}",
+        step,
+        cost.instructions,
+        cost.stack
+    );
+}
+
+/// Logs the bits of values.
+fn values(values: &[f32]) {
+    // SAFETY: any initialised f32 is four initialised bytes, of no alignment.
+    let bytes =
+        unsafe { core::slice::from_raw_parts(values.as_ptr().cast::<u8>(), size_of_val(values)) };
+    defmt::info!("values {=[u8]}", bytes);
+}
+
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+    defmt::error!("{}", defmt::Display2Format(info));
+    process::exit(1)
+}
+
+#[cortex_m_rt::exception]
+unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
+    defmt::error!("hard fault at {=u32:#x}", frame.pc());
+    process::exit(1)
+}

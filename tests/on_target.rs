@@ -1,0 +1,287 @@
+//! The kernel on the emulated device gives the host's bits, at costs that do
+//! not depend on the day.
+//!
+//! Skipped, loudly, where the emulator or the Rust target is missing; with
+//! `ISOLUX_REQUIRE_QEMU=1` in the environment that is a failure instead.
+
+use isolux::form_factor::Best;
+use isolux::number::SoftRoot;
+use isolux::scene::records::{Emitter, Header, Loop, Surface, checksum};
+use isolux::scene::{Aligned, MAGIC, Scene, VERSION, required_bytes};
+use isolux::shoot::{Light, Stop};
+use isolux_host::device::{self, Core, Error, Job, Measured, Options};
+use isolux_host::scene::Budget;
+use zerocopy::IntoBytes;
+
+const SAMPLES: usize = 50;
+const EMITTERS: usize = 3;
+const RESOLUTION: usize = 200;
+const STOP: Stop = Stop::below(0.001);
+
+/// Surfaces: a floor and a wall of 25 samples each that reflect half of the
+/// light, and a luminaire above.
+fn surfaces() -> [Surface; 3] {
+    let floor = Surface {
+        origin: [-2.5, -2.5, 0.0],
+        axis_u: [1.0, 0.0, 0.0],
+        axis_v: [0.0, 1.0, 0.0],
+        normal: [0.0, 0.0, 1.0],
+        size: [5.0, 5.0],
+        reflectance: 0.5,
+        filter_radius: 1.5,
+        first_sample: 0,
+        samples: 25,
+    };
+    let wall = Surface {
+        origin: [2.5, -2.5, 0.0],
+        axis_u: [0.0, 1.0, 0.0],
+        axis_v: [0.0, 0.0, 1.0],
+        normal: [-1.0, 0.0, 0.0],
+        first_sample: 25,
+        ..floor
+    };
+    let luminaire = Surface {
+        origin: [-1.0, -1.0, 3.0],
+        axis_u: [0.0, 1.0, 0.0],
+        axis_v: [1.0, 0.0, 0.0],
+        normal: [0.0, 0.0, -1.0],
+        size: [2.0, 2.0],
+        reflectance: 0.0,
+        filter_radius: 0.0,
+        first_sample: 50,
+        samples: 0,
+    };
+    [floor, wall, luminaire]
+}
+
+/// A small scene as a bake would write it: each reflecting surface is one
+/// emitter that all of its samples belong to.
+fn tables() -> Vec<u8> {
+    let surfaces = surfaces();
+    let emitter = |surface: u32, exitance, reflectance, first_member, members| Emitter {
+        surface,
+        first_loop: surface,
+        loops: 1,
+        first_member,
+        members,
+        exitance,
+        reflectance,
+        area: surfaces[surface as usize].size.iter().product(),
+    };
+    let emitters = [
+        emitter(2, 100.0, 0.0, 0, 0),
+        emitter(0, 0.0, 0.5, 0, 25),
+        emitter(1, 0.0, 0.5, 25, 25),
+    ];
+    let loops = [0, 1, 2].map(|index| Loop {
+        first_vertex: 4 * index,
+        vertices: 4,
+        reach_squared: surfaces[index as usize].size.iter().map(|x| x * x).sum(),
+    });
+    let vertices: Vec<[f32; 3]> = surfaces
+        .iter()
+        .flat_map(|surface| {
+            let [width, height] = surface.size;
+            let corners = [[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]];
+            corners.map(|corner| surface.place(corner).into())
+        })
+        .collect();
+    let grid = |index: u16| [0.5 + f32::from(index % 5), 0.5 + f32::from(index / 5)];
+    let samples: Vec<[f32; 2]> = (0..50).map(|index| grid(index % 25)).collect();
+    let members: Vec<u16> = (0..50).collect();
+
+    let mut header = Header {
+        magic: MAGIC,
+        version: VERSION,
+        bytes: required_bytes(3, 3, 3, 12, 50, 50).expect("far below 4 GiB"),
+        checksum: 0,
+        surfaces: 3,
+        emitters: 3,
+        loops: 3,
+        vertices: 12,
+        samples: 50,
+        members: 50,
+        tolerance: 5e-6,
+    };
+    let sections = [
+        surfaces.as_bytes(),
+        emitters.as_bytes(),
+        loops.as_bytes(),
+        vertices.as_bytes(),
+        samples.as_bytes(),
+        members.as_bytes(),
+    ]
+    .concat();
+    let whole = [header.as_bytes(), &sections].concat();
+    header.checksum = checksum(&whole[std::mem::offset_of!(Header, checksum) + 4..]);
+    [header.as_bytes(), &sections].concat()
+}
+
+/// What the same kernel gives on the host.
+fn expected(tables: &[u8]) -> Vec<u32> {
+    let mut place = Aligned([0_u8; 4096]);
+    let place = &mut place.0[..tables.len()];
+    place.copy_from_slice(tables);
+    let scene = Scene::load(place).expect("sound tables");
+    let mut light = Light::<Best, SAMPLES, EMITTERS>::new(scene).expect("room for the scene");
+    light.solve(STOP);
+    let mut bits: Vec<u32> = light.irradiance().iter().map(|e| e.to_bits()).collect();
+    let mut row = [0.0; RESOLUTION];
+    for surface in 0..2 {
+        for number in 0..RESOLUTION as u32 {
+            light
+                .resample_row::<SoftRoot>(surface, [RESOLUTION as u32; 2], number, &mut row)
+                .expect("a row of a surface");
+            bits.extend(row.map(f32::to_bits));
+        }
+    }
+    bits
+}
+
+/// Runs the scene; `None` where the machine lacks what it takes.
+fn run(tables: &[u8], expected: &[u32], options: &Options) -> Option<Measured> {
+    let job = Job {
+        scene: "corner",
+        tables,
+        samples: SAMPLES,
+        emitters: EMITTERS,
+        arithmetic: "best",
+        stop: STOP,
+        resolution: RESOLUTION,
+        expected,
+        budget: Budget::default(),
+    };
+    match device::run(&job, options) {
+        Ok(measured) => Some(measured),
+        Err(error) => skip(error),
+    }
+}
+
+/// Skips the test where something is missing and may be.
+fn skip<T>(error: Error) -> Option<T> {
+    let required = std::env::var_os("ISOLUX_REQUIRE_QEMU").is_some();
+    assert!(error.is_missing() && !required, "{error}");
+    eprintln!("SKIPPED: {error}");
+    None
+}
+
+#[test]
+fn every_core_gives_the_hosts_bits() {
+    let tables = tables();
+    let expected = expected(&tables);
+    let Some(measured) = run(&tables, &expected, &Options::default()) else {
+        return;
+    };
+    println!("{measured:#?}");
+    assert!(measured.bits_equal);
+    assert_eq!(measured.values, 50 + 2 * RESOLUTION * RESOLUTION);
+    assert!(expected.iter().any(|&bits| bits != 0));
+    assert!(measured.stack_bytes > 0);
+    assert!(measured.stack_bytes <= measured.stack_bound_bytes);
+    assert!(measured.budget.kept);
+    assert_eq!(measured.flash_tables_bytes, tables.len() as u64);
+    assert!(measured.instructions_software_root > Some(measured.instructions));
+    let of = |name: &str| {
+        let mut targets = measured.targets.iter();
+        targets.find(|target| target.core == name)
+    };
+    let (m4f, m7) = (of(Core::CortexM4F.name()), of(Core::CortexM7.name()));
+    let counts = [m4f, m7].map(|target| target.map(|target| target.instructions));
+    assert_eq!(
+        counts,
+        [Some(measured.instructions); 2],
+        "one program, one count"
+    );
+}
+
+#[test]
+fn a_flipped_bit_is_seen() {
+    let tables = tables();
+    let options = Options {
+        cores: vec![Core::CortexM4F],
+        software_root: false,
+        negative_control: true,
+        ..Options::default()
+    };
+    let Some(measured) = run(&tables, &expected(&tables), &options) else {
+        return;
+    };
+    assert!(!measured.bits_equal);
+    assert_eq!(measured.targets[0].differences, 1);
+    let first = measured.targets[0].first_difference.as_ref();
+    let last_of_first_row = 50 + RESOLUTION - 1;
+    assert_eq!(first.map(|first| first.index), Some(last_of_first_row));
+}
+
+#[test]
+fn counts_do_not_depend_on_the_day() {
+    let tables = tables();
+    let expected = expected(&tables);
+    let options = Options {
+        cores: vec![Core::CortexM4F],
+        software_root: false,
+        ..Options::default()
+    };
+    let Some(once) = run(&tables, &expected, &options) else {
+        return;
+    };
+    assert_eq!(Some(once), run(&tables, &expected, &options));
+}
+
+#[test]
+fn changed_tables_are_refused_on_the_device() {
+    let mut tables = tables();
+    if let Some(last) = tables.last_mut() {
+        *last ^= 1;
+    }
+    let job = Job {
+        scene: "corner",
+        tables: &tables,
+        samples: SAMPLES,
+        emitters: EMITTERS,
+        arithmetic: "best",
+        stop: STOP,
+        resolution: RESOLUTION,
+        expected: &[],
+        budget: Budget::default(),
+    };
+    match device::run(&job, &Options::default()) {
+        Err(Error::Firmware { status, said, .. }) => {
+            assert_eq!(status, Some(1));
+            assert!(said.contains("Checksum"), "{said}");
+        }
+        Err(error) => {
+            skip::<()>(error);
+        }
+        Ok(measured) => panic!("{measured:?}"),
+    }
+}
+
+#[test]
+fn an_emulation_without_end_is_stopped() {
+    let tables = tables();
+    let options = Options {
+        cores: vec![Core::CortexM4F],
+        software_root: false,
+        time_limit: std::time::Duration::from_millis(1),
+        ..Options::default()
+    };
+    let job = Job {
+        scene: "corner",
+        tables: &tables,
+        samples: SAMPLES,
+        emitters: EMITTERS,
+        arithmetic: "best",
+        stop: STOP,
+        resolution: RESOLUTION,
+        expected: &[],
+        budget: Budget::default(),
+    };
+    match device::run(&job, &options) {
+        Err(Error::TimeLimit { .. }) => {}
+        Err(error) => {
+            skip::<()>(error);
+        }
+        Ok(measured) => panic!("{measured:?}"),
+    }
+}

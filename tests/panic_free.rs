@@ -1,0 +1,98 @@
+//! No panic can be reached from the kernel, and its stack is bounded: both read
+//! off the linked program, for every entry point and every rung.
+//!
+//! Skipped, loudly, where a tool is missing; with `ISOLUX_REQUIRE_QEMU=1` in
+//! the environment that is a failure instead.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use isolux_host::device::{Core, Error, Toolchain, stack};
+
+/// The prefix of the proof's entry points.
+const ENTRY: &str = "isolux_entry_";
+
+/// The most stack in bytes that an entry point may take: what a firmware has
+/// to keep free for the kernel.
+const STACK: u64 = 2048;
+
+/// The toolchain, where this machine has what the proof takes.
+fn toolchain() -> Option<Toolchain> {
+    let found = Toolchain::find().and_then(|toolchain| {
+        toolchain.require(Core::CortexM4F)?;
+        toolchain.tool("llvm-nm")?;
+        Ok(toolchain)
+    });
+    match found {
+        Ok(toolchain) => Some(toolchain),
+        Err(error) => {
+            let required = std::env::var_os("ISOLUX_REQUIRE_QEMU").is_some();
+            assert!(error.is_missing() && !required, "{error}");
+            eprintln!("SKIPPED: {error}");
+            None
+        }
+    }
+}
+
+/// Links the proof into a directory.
+fn link(toolchain: &Toolchain, features: &[&str], directory: &Path) -> Result<PathBuf, Error> {
+    let program = directory.join("proof");
+    toolchain.link(Core::CortexM4F, "proof", features, &[], &program)?;
+    Ok(program)
+}
+
+/// Entry points that the proof's source defines.
+fn defined() -> Vec<&'static str> {
+    include_str!("firmware/src/proof.rs")
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix("fn "))
+        .filter_map(|rest| rest.split('(').next())
+        .filter(|name| name.starts_with(ENTRY) && *name != "isolux_entry_bad")
+        .collect()
+}
+
+#[test]
+fn no_panic_is_reachable_and_the_stack_is_bounded() {
+    let Some(toolchain) = toolchain() else { return };
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let program = link(&toolchain, &[], directory.path()).expect("no panic, so it links");
+
+    let names = toolchain.tool("llvm-nm").expect("found above");
+    let listed = Command::new(names)
+        .args(["--demangle", "--format=just-symbols"])
+        .arg(&program)
+        .output()
+        .expect("llvm-nm runs");
+    let symbols = String::from_utf8_lossy(&listed.stdout);
+    for suspect in [
+        "core::panicking",
+        "panic_fmt",
+        "rust_begin_unwind",
+        "__rust_alloc",
+    ] {
+        assert!(!symbols.contains(suspect), "{suspect} is linked");
+    }
+
+    let disassembler = toolchain.tool("llvm-objdump").expect("beside llvm-nm");
+    let bounds = stack::bounds(&disassembler, &program, ENTRY).expect("every entry is bounded");
+    let defined = defined();
+    assert!(defined.len() > 30, "the source is read");
+    for name in defined {
+        let bound = bounds.functions.get(name);
+        let bound = bound.unwrap_or_else(|| panic!("{name} is not in the program"));
+        println!("{:5} bytes  {}", bound.bytes, bound.path.join(" > "));
+        assert!(bound.bytes <= STACK, "{name}: {bound:?}");
+    }
+}
+
+#[test]
+fn a_reachable_panic_does_not_link() {
+    let Some(toolchain) = toolchain() else { return };
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    match link(&toolchain, &["bad"], directory.path()) {
+        Err(Error::Build { output, .. }) => {
+            assert!(output.contains("isolux_panic_is_reachable"), "{output}");
+        }
+        other => panic!("{other:?}"),
+    }
+}
