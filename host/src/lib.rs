@@ -11,5 +11,6 @@
 //! Rooms, ground floor first; each imports only those above it in this list:
 //! [`scene`].
 
+pub mod baseline;
 pub mod reference;
 pub mod scene;
