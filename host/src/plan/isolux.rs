@@ -170,7 +170,7 @@ impl Map {
                     .map(move |(k, points)| oriented(points, k > 0))
             })
             .filter(|points| signed_area(points).abs() > SPECK * self.area)
-            .map(outline::Outline::new)
+            .map(|points| outline::Outline::new(points, |place| self.value(place)))
             .collect()
     }
 
@@ -185,22 +185,16 @@ impl Map {
             })
         });
         let chosen = (0..corners.len()).map(|k| k * POINTS_PER_EDGE).collect();
-        outline::Outline::with_corners(points.collect(), chosen)
+        outline::Outline::with_corners(points.collect(), chosen, |place| self.value(place))
     }
 
-    /// The brightest place, unless it lies at the surface's own outline, whose
-    /// vertices stand for it then.
-    fn inner_peak(&self) -> Option<[f64; 2]> {
+    /// Whether the brightest place lies well inside of the surface's outline.
+    fn peaks_inside(&self) -> bool {
         let [u, v] = self.peak;
-        let (du, dv) = (
-            2.0 * self.frame.size_u / CELLS as f64,
-            2.0 * self.frame.size_v / CELLS as f64,
-        );
+        let reach = |size: f64| 2.0 * size / CELLS as f64;
+        let (du, dv) = (reach(self.frame.size_u), reach(self.frame.size_v));
         let around = [[u + du, v], [u - du, v], [u, v + dv], [u, v - dv]];
-        around
-            .iter()
-            .all(|&[u, v]| self.frame.contains(u, v))
-            .then_some(self.peak)
+        around.iter().all(|&[u, v]| self.frame.contains(u, v))
     }
 
     /// The polygon in the frame's coordinates.
@@ -261,9 +255,15 @@ impl Map {
 
     fn place_at(&self, samples: usize, shift: f64, lit: &[Lit]) -> Placed {
         let count = (samples / VERTICES_PER_OUTLINE).clamp(1, MOST_BANDS);
+        let mut edge = self.edge();
+        let peak = if self.peaks_inside() {
+            Some(self.peak)
+        } else {
+            edge.choose_nearest(self.peak)
+        };
         let mut steps = vec![Step {
             level: 0.0,
-            loops: vec![self.edge()],
+            loops: vec![edge],
         }];
         for level in self.levels(count, shift) {
             let loops = self.outlines(level);
@@ -272,7 +272,7 @@ impl Map {
             }
         }
         let weld = WELD * self.area.sqrt();
-        let pool = Pool::fill(&mut steps, samples, self.inner_peak(), weld);
+        let pool = Pool::fill(&mut steps, samples, peak, weld);
         let bands = pool.bands(&steps, |place| self.value(place));
         let samples = pool.into_samples();
         let values: Vec<f64> = samples

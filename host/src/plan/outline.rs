@@ -4,6 +4,8 @@
 #[derive(Clone, Debug)]
 pub(super) struct Outline {
     points: Vec<[f64; 2]>,
+    /// Irradiance at each point.
+    values: Vec<f64>,
     /// Length of the curve up to each point.
     lengths: Vec<f64>,
     total: f64,
@@ -17,8 +19,8 @@ const STRAIGHT: f64 = 1e-3;
 
 impl Outline {
     /// A curve of which the three points that span the most are chosen.
-    pub(super) fn new(points: Vec<[f64; 2]>) -> Self {
-        let mut outline = Self::bare(points);
+    pub(super) fn new(points: Vec<[f64; 2]>, value: impl Fn([f64; 2]) -> f64) -> Self {
+        let mut outline = Self::bare(points, value);
         let first = outline.farthest(|p| p[0] + p[1]);
         let [u, v] = outline.points[first];
         let second = outline.farthest(|p| (p[0] - u).hypot(p[1] - v));
@@ -29,14 +31,18 @@ impl Outline {
     }
 
     /// A curve of which some points must be chosen: the corners of a polygon.
-    pub(super) fn with_corners(points: Vec<[f64; 2]>, corners: Vec<usize>) -> Self {
+    pub(super) fn with_corners(
+        points: Vec<[f64; 2]>,
+        corners: Vec<usize>,
+        value: impl Fn([f64; 2]) -> f64,
+    ) -> Self {
         Self {
             chosen: corners,
-            ..Self::bare(points)
+            ..Self::bare(points, value)
         }
     }
 
-    fn bare(points: Vec<[f64; 2]>) -> Self {
+    fn bare(points: Vec<[f64; 2]>, value: impl Fn([f64; 2]) -> f64) -> Self {
         let mut total = 0.0;
         let lengths = (0..points.len())
             .map(|index| {
@@ -47,6 +53,7 @@ impl Outline {
             })
             .collect();
         Self {
+            values: points.iter().map(|&point| value(point)).collect(),
             points,
             lengths,
             total,
@@ -73,13 +80,16 @@ impl Outline {
         self.chosen.len()
     }
 
-    /// Chooses one more: the point farthest from the chord that passes it by,
-    /// or, where all chords follow the curve, the middle of the longest of
-    /// them. Returns whether there was one left.
+    /// Chooses one more: the point farthest from the chord that passes it by;
+    /// where all chords follow the curve, the point whose irradiance is farthest
+    /// from what lies between its neighbours'; where that is nothing either,
+    /// the middle of the longest chord. Returns whether there was one left.
     pub(super) fn refine(&mut self) -> bool {
-        let Some(index) = self.most_deviating().or_else(|| self.middle_of_longest()) else {
-            return false;
-        };
+        let index = self
+            .most_deviating()
+            .or_else(|| self.most_curved())
+            .or_else(|| self.middle_of_longest());
+        let Some(index) = index else { return false };
         let at = self.chosen.partition_point(|&chosen| chosen < index);
         self.chosen.insert(at, index);
         true
@@ -114,22 +124,56 @@ impl Outline {
         best.1
     }
 
+    fn most_curved(&self) -> Option<usize> {
+        let count = self.points.len();
+        let largest = self.values.iter().copied().fold(0.0, f64::max);
+        let mut best = (STRAIGHT * largest, None);
+        for (from, to) in self.chords() {
+            let length = self.along(to) - self.along(from);
+            for index in from + 1..to {
+                let t = (self.along(index) - self.along(from)) / length;
+                let between = self.values[from] * (1.0 - t) + self.values[to % count] * t;
+                let deviation = (self.values[index % count] - between).abs();
+                if deviation > best.0 {
+                    best = (deviation, Some(index % count));
+                }
+            }
+        }
+        best.1
+    }
+
+    /// Length of the curve up to a point; indices past the end have gone round.
+    fn along(&self, index: usize) -> f64 {
+        let count = self.points.len();
+        self.lengths[index % count] + if index >= count { self.total } else { 0.0 }
+    }
+
+    /// Chooses the point nearest to a place, unless it is chosen already, and
+    /// gives its place.
+    pub(super) fn choose_nearest(&mut self, place: [f64; 2]) -> Option<[f64; 2]> {
+        let by = |&a: &usize, &b: &usize| {
+            distance(self.points[a], place).total_cmp(&distance(self.points[b], place))
+        };
+        let index = (0..self.points.len()).min_by(by)?;
+        if let Err(at) = self.chosen.binary_search(&index) {
+            self.chosen.insert(at, index);
+        }
+        Some(self.points[index])
+    }
+
     fn middle_of_longest(&self) -> Option<usize> {
         let count = self.points.len();
-        let along = |index: usize| {
-            self.lengths[index % count] + if index >= count { self.total } else { 0.0 }
-        };
         let mut best = (0.0, None);
         for (from, to) in self.chords().filter(|(from, to)| to - from > 1) {
-            let length = along(to) - along(from);
+            let length = self.along(to) - self.along(from);
             // A hair's preference for the earlier of equal chords keeps the
             // choice independent of rounding.
             if length > best.0 * (1.0 + 1e-9) {
-                let middle = (along(from) + along(to)) / 2.0;
+                let middle = (self.along(from) + self.along(to)) / 2.0;
                 let nearest = (from + 1..to).min_by(|&i, &j| {
-                    (along(i) - middle)
+                    (self.along(i) - middle)
                         .abs()
-                        .total_cmp(&(along(j) - middle).abs())
+                        .total_cmp(&(self.along(j) - middle).abs())
                 });
                 best = (length, nearest.map(|index| index % count));
             }

@@ -62,6 +62,9 @@ impl Pool {
             }
         }
         pool.peak = peak.map(|place| pool.add(place, Tag::Peak));
+        if let Some(peak) = pool.peak {
+            pool.samples[peak].tag = Tag::Peak;
+        }
         pool
     }
 
