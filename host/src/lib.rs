@@ -9,9 +9,19 @@
 //! ```
 //!
 //! Rooms, ground floor first; each imports only those above it in this list:
-//! [`scene`], [`compare`], [`report`], [`device`].
+//! [`scene`], [`reference`], [`baseline`], [`plan`], [`bake`], [`solve`],
+//! [`compare`], [`report`], [`picture`], [`device`], [`cli`]. The kernel is a
+//! library to all of them but the reference, which shares no formula with what
+//! it judges.
 
+pub mod bake;
+pub mod baseline;
+pub mod cli;
 pub mod compare;
 pub mod device;
+pub mod picture;
+pub mod plan;
+pub mod reference;
 pub mod report;
 pub mod scene;
+pub mod solve;

@@ -1,2 +1,7 @@
 //! The `isolux` program.
-fn main() {}
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    isolux_host::cli::main()
+}

@@ -3,11 +3,11 @@
 use crate::scene::Scene;
 
 /// Bytes of RAM that [`Light`](crate::shoot::Light) takes on a 32-bit part:
-/// 4 a sample, 8 an emitter, and 60 for the borrowed tables and the counts.
+/// 4 a sample, 8 an emitter, and 64 for the borrowed tables and the counts.
 ///
 /// Exact on thumb targets: the firmware does not compile where `size_of` differs.
 pub const fn light_bytes(samples: usize, emitters: usize) -> usize {
-    4 * samples + 8 * emitters + 60
+    4 * samples + 8 * emitters + 64
 }
 
 /// Form factors that direct light costs: one per luminaire and sample, less

@@ -14,6 +14,7 @@ use crate::Error;
 use crate::error::What;
 use crate::form_factor::Arithmetic;
 use crate::number::Root;
+use crate::scene::records::Surface;
 use crate::shoot::Light;
 
 /// Doublings of the radius after which the search for a sample ends: 2⁴⁰
@@ -75,6 +76,26 @@ pub struct Row {
 impl<A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
     Light<'_, A, SAMPLES, EMITTERS>
 {
+    /// The cone-filtered irradiance in W m⁻² at (u, v), metres in the frame of a
+    /// surface; `None` for a surface without samples.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] for a surface that does not exist.
+    pub fn resample_at<R: Root<f32>>(
+        &self,
+        surface: usize,
+        place: [f32; 2],
+    ) -> Result<Option<Filtered>, Error> {
+        let surface = self.scene().surface(surface)?;
+        Ok(self.filtered::<R>(surface, place))
+    }
+
+    fn filtered<R: Root<f32>>(&self, surface: &Surface, place: [f32; 2]) -> Option<Filtered> {
+        let (first, places) = self.scene().samples_of(surface);
+        let values = self.irradiance().get(first..).unwrap_or(&[]);
+        cone::<R>(places, values, place, surface.filter_radius)
+    }
+
     /// Row `row` of a `columns` × `rows` grid over the bounding rectangle of a
     /// surface: irradiance in W m⁻² at the centres of the cells, the first
     /// `columns` values of `out`. Row 0 is at v = 0.
@@ -108,15 +129,13 @@ impl<A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
                 have,
             });
         };
-        let (first, places) = scene.samples_of(surface);
-        let values = self.irradiance().get(first..).unwrap_or(&[]);
         let [width, height] = surface.size;
         let v = (row as f32 + 0.5) * (height / rows as f32);
         let step = width / columns as f32;
         let mut out_of_reach = 0;
         for (column, cell) in (0_u32..).zip(out) {
             let u = (column as f32 + 0.5) * step;
-            *cell = match cone::<R>(places, values, [u, v], surface.filter_radius) {
+            *cell = match self.filtered::<R>(surface, [u, v]) {
                 Some(filtered) => {
                     out_of_reach += u32::from(filtered.doublings > 0);
                     filtered.value

@@ -34,6 +34,8 @@ pub struct Light<'t, A, const SAMPLES: usize, const EMITTERS: usize> {
     /// Irradiance of every sample, W m⁻².
     irradiance: Vec<f32, SAMPLES>,
     emitters: Vec<Shot, EMITTERS>,
+    /// Form factors evaluated since the scene was dark.
+    form_factors: u32,
     rung: PhantomData<A>,
 }
 
@@ -82,6 +84,9 @@ impl Stop {
 pub struct Solved {
     /// Shots taken.
     pub shots: u32,
+    /// Form factors evaluated: one for each shot and each sample that is not on
+    /// the emitter's own surface.
+    pub form_factors: u32,
     /// Unshot power as a fraction of the emitted power; 0 in a dark scene.
     pub unshot: f32,
 }
@@ -104,6 +109,7 @@ impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
             scene,
             irradiance: Vec::new(),
             emitters: Vec::new(),
+            form_factors: 0,
             rung: PhantomData,
         };
         let (samples, emitters) = (scene.samples().len(), scene.emitters().len());
@@ -132,6 +138,7 @@ impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
     pub fn darken(&mut self) {
         self.irradiance.fill(0.0);
         self.emitters.fill(Shot::default());
+        self.form_factors = 0;
     }
 
     /// Darkens the scene and lets every luminaire shoot: direct light,
@@ -222,6 +229,7 @@ impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
         }
         Solved {
             shots,
+            form_factors: self.form_factors,
             unshot: self.unshot_fraction(),
         }
     }
@@ -299,6 +307,7 @@ impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
                 continue; // a planar polygon does not light its own plane
             }
             let (first, places) = scene.samples_of(surface);
+            self.form_factors = self.form_factors.saturating_add(places.len() as u32);
             let values = self.irradiance.iter_mut().skip(first);
             for (value, &place) in values.zip(places) {
                 let receiver = Receiver::of_unit(surface.place(place), surface.normal.into());

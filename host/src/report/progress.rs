@@ -145,8 +145,7 @@ mod tests {
         progress.advance(3);
         std::thread::sleep(work);
         progress.finish();
-        let text = screen.0.lock().unwrap().clone();
-        text
+        screen.0.lock().unwrap().clone()
     }
 
     #[test]

@@ -96,11 +96,11 @@ pub fn check(faces: &[&Surface], weld: f64) -> Result<(), BodyFlaw> {
         return Err(open);
     }
     let normal = doubled / length;
-    let on_plane = |edge: &&Edge| (corners[edge.from] - origin).dot(normal).abs() > planar;
-    if let Some(edge) = free.iter().find(on_plane) {
-        return Err(BodyFlaw::Open(edge.face));
-    }
-    if corners.iter().any(|&c| (c - origin).dot(normal) > planar) {
+    let height = |corner: DVec3| (corner - origin).dot(normal);
+    let flat = free
+        .iter()
+        .all(|edge| height(corners[edge.from]).abs() <= planar);
+    if !flat || corners.iter().any(|&corner| height(corner) > planar) {
         return Err(open);
     }
     Ok(())

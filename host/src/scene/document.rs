@@ -48,7 +48,7 @@ impl Document<'_> {
         let message = error.message();
         let remedy = if message.contains("duplicate key") {
             "remove one of the two, or give the second its own `[[...]]` table"
-        } else if message.contains("recursion limit") {
+        } else if message.contains("recurs") {
             "no value of this file needs nested brackets this deep"
         } else {
             "write it as TOML (https://toml.io): `key = value`, strings in quotes, lists in brackets with commas"

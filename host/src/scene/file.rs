@@ -118,11 +118,11 @@ fn read_quantity(root: &Table<'_>) -> Result<Quantity, Diagnostic> {
     }
 }
 
-/// The names of one kind of table, each with the line it stands on.
+/// The names of one kind of table, each with the byte at which it stands.
 struct Names<'d> {
     document: Document<'d>,
     kind: &'static str,
-    lines: HashMap<String, usize>,
+    places: HashMap<String, usize>,
 }
 
 impl<'d> Names<'d> {
@@ -130,7 +130,7 @@ impl<'d> Names<'d> {
         Self {
             document,
             kind,
-            lines: HashMap::new(),
+            places: HashMap::new(),
         }
     }
 
@@ -138,8 +138,8 @@ impl<'d> Names<'d> {
     fn read(&mut self, table: &Table<'_>, example: &str) -> Result<String, Diagnostic> {
         let field = table.required("name", example)?;
         let name = field.name()?;
-        let line = self.document.line_of(field.span().start);
-        if let Some(first) = self.lines.insert(name.clone(), line) {
+        if let Some(first) = self.places.insert(name.clone(), field.span().start) {
+            let first = self.document.line_of(first);
             return Err(field.error(
                 format!("two {} are named `{name}`", self.kind),
                 format!("the first is on line {first}: give this one another name"),

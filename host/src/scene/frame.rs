@@ -130,10 +130,12 @@ impl Frame {
         columns: usize,
         rows: usize,
     ) -> (f64, f64) {
-        let part = |index: usize, count: usize| (index as f64 + 0.5) / count.max(1) as f64;
+        let along = |size: f64, index: usize, count: usize| {
+            size * (index as f64 + 0.5) / count.max(1) as f64
+        };
         (
-            self.size_u * part(column, columns),
-            self.size_v * part(row, rows),
+            along(self.size_u, column, columns),
+            along(self.size_v, row, rows),
         )
     }
 }

@@ -60,6 +60,32 @@ pub enum Quantity {
     Photometric,
 }
 
+impl Quantity {
+    /// The unit of irradiance (illuminance) as it is printed.
+    pub fn irradiance_unit(self) -> &'static str {
+        match self {
+            Self::Radiometric => "W/m²",
+            Self::Photometric => "lx",
+        }
+    }
+
+    /// The unit of radiosity as it is printed.
+    pub fn radiosity_unit(self) -> &'static str {
+        match self {
+            Self::Radiometric => "W/m²",
+            Self::Photometric => "lm/m²",
+        }
+    }
+
+    /// What irradiance is called.
+    pub fn irradiance_name(self) -> &'static str {
+        match self {
+            Self::Radiometric => "irradiance",
+            Self::Photometric => "illuminance",
+        }
+    }
+}
+
 /// A planar polygon that emits and reflects on its front.
 #[derive(Clone, Debug)]
 pub struct Surface {

@@ -42,8 +42,9 @@ pub enum Flaw {
     Repeated(usize),
     /// The vertices lie on a line.
     NoArea,
-    /// This vertex lies this many metres off the plane of the others.
-    NotPlanar(usize, f64),
+    /// A vertex lies this many metres off the plane: which one, where one is
+    /// clearly farther off than the others.
+    NotPlanar(Option<usize>, f64),
     /// These two edges cross.
     Crossing(usize, usize),
     /// These two edges touch although they are not neighbours.
@@ -56,9 +57,8 @@ impl Flaw {
     /// The vertex at which the flaw is best shown.
     pub fn vertex(&self) -> Option<usize> {
         match *self {
-            Self::Repeated(vertex) | Self::NotPlanar(vertex, _) | Self::Spike(vertex) => {
-                Some(vertex)
-            }
+            Self::Repeated(vertex) | Self::Spike(vertex) => Some(vertex),
+            Self::NotPlanar(vertex, _) => vertex,
             Self::Crossing(_, edge) | Self::Touching(_, edge) => Some(edge),
             _ => None,
         }
@@ -107,11 +107,13 @@ impl fmt::Display for Flaw {
                 vertex + 1
             ),
             Self::NoArea => write!(formatter, "the polygon has zero area"),
-            Self::NotPlanar(vertex, distance) => write!(
-                formatter,
-                "the polygon is not planar: vertex {} lies {distance:.3e} m off its plane, more than {PLANARITY:e} of its diameter",
-                vertex + 1
-            ),
+            Self::NotPlanar(vertex, distance) => {
+                let which = vertex.map_or("a vertex".to_owned(), |v| format!("vertex {}", v + 1));
+                write!(
+                    formatter,
+                    "the polygon is not planar: {which} lies {distance:.3e} m off its plane, more than {PLANARITY:e} of its diameter"
+                )
+            }
             Self::Crossing(a, b) => write!(
                 formatter,
                 "the polygon crosses itself: the edge after vertex {} crosses the edge after vertex {}",
@@ -233,15 +235,21 @@ fn farthest(vertices: &[DVec3], distance: impl Fn(DVec3) -> f64) -> Option<DVec3
 
 fn check_planar(vertices: &[DVec3], normal: DVec3, diameter: f64) -> Result<(), Flaw> {
     let center = center(vertices);
-    let off_plane = |v: &DVec3| (*v - center).dot(normal).abs();
-    let worst = (0..vertices.len())
-        .max_by(|&a, &b| off_plane(&vertices[a]).total_cmp(&off_plane(&vertices[b])))
-        .unwrap_or(0);
-    let distance = off_plane(&vertices[worst]);
-    if distance > PLANARITY * diameter {
-        return Err(Flaw::NotPlanar(worst, distance));
+    let mut off_plane: Vec<(f64, usize)> = vertices
+        .iter()
+        .enumerate()
+        .map(|(index, &vertex)| ((vertex - center).dot(normal).abs(), index))
+        .collect();
+    off_plane.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let [(distance, worst), (second, _), ..] = off_plane[..] else {
+        return Ok(());
+    };
+    if distance <= PLANARITY * diameter {
+        return Ok(());
     }
-    Ok(())
+    // All four corners of a twisted quadrilateral are equally far off.
+    let clear = distance > 1.01 * second;
+    Err(Flaw::NotPlanar(clear.then_some(worst), distance))
 }
 
 fn check_simple(vertices: &[DVec3], normal: DVec3, touch: f64) -> Result<(), Flaw> {

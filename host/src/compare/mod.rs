@@ -13,7 +13,34 @@
 //! mean; a relative error blames the dark places, a full-scale error forgives
 //! them, so neither is shown alone.
 
+mod camera;
+mod surface;
+
+pub use camera::{Seen, camera};
+pub use surface::{Compared, surface};
+
+use crate::baseline::Baseline;
+use crate::plan::Plan;
+use crate::reference::Reference;
+use crate::scene::Scene;
+use crate::solve::Solution;
 use serde::ser::{Serialize, SerializeMap, Serializer};
+
+/// The three answers that are compared: the reference, the kernel's, and where
+/// it could be had the classical one.
+#[derive(Clone, Copy)]
+pub struct Answers<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Where its samples are.
+    pub plan: &'a Plan,
+    /// The judge.
+    pub reference: &'a Reference,
+    /// The kernel's solution, resampled.
+    pub solution: &'a Solution<'a>,
+    /// Ray-traced form factors.
+    pub baseline: Option<&'a Baseline>,
+}
 
 /// The tolerances, in percent, whose exceedance is counted in [`Statistics::over`].
 pub const TOLERANCES: [f64; 5] = [1.0, 2.0, 5.0, 10.0, 15.0];

@@ -1,0 +1,105 @@
+//! Which rung of each accuracy ladder a command takes: the flag, else what the
+//! scene asks for, else the default.
+
+use super::failure::Failure;
+use crate::scene::rungs::LADDERS;
+use crate::scene::{Rungs, Scene};
+use crate::solve::Rung;
+use clap::Args;
+
+/// The flags named after the ladders.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Accuracy ladders")]
+pub(super) struct RungArguments {
+    /// Number type and edge term: best, libm.
+    #[arg(long, value_name = "RUNG")]
+    pub(super) arithmetic: Option<String>,
+    /// How occlusion is found: none.
+    #[arg(long, value_name = "RUNG")]
+    visibility: Option<String>,
+    /// What shoots reflected light: isolux.
+    #[arg(long, value_name = "RUNG")]
+    emitters: Option<String>,
+    /// How emitter-to-receiver terms are had: exact.
+    #[arg(long, value_name = "RUNG")]
+    transfer: Option<String>,
+    /// How samples are placed: isolux.
+    #[arg(long, value_name = "RUNG")]
+    placement: Option<String>,
+    /// How samples become an image: cone.
+    #[arg(long, value_name = "RUNG")]
+    reconstruction: Option<String>,
+}
+
+/// The rungs of this build, by ladder.
+const BUILT: [(&str, &[&str]); 6] = [
+    ("arithmetic", &["best", "libm"]),
+    ("visibility", &["none"]),
+    ("emitters", &["isolux"]),
+    ("transfer", &["exact"]),
+    ("placement", &["isolux"]),
+    ("reconstruction", &["cone"]),
+];
+
+/// Checks every choice and gives the arithmetic rung, the only ladder with a
+/// choice in this build.
+pub(super) fn arithmetic(flags: &RungArguments, scene: &Scene) -> Result<Rung, Failure> {
+    let asked = |flag: &Option<String>, scene: &Option<String>| flag.clone().or(scene.clone());
+    let rungs = Rungs {
+        arithmetic: asked(&flags.arithmetic, &scene.rungs.arithmetic),
+        visibility: asked(&flags.visibility, &scene.rungs.visibility),
+        emitters: asked(&flags.emitters, &scene.rungs.emitters),
+        transfer: asked(&flags.transfer, &scene.rungs.transfer),
+        placement: asked(&flags.placement, &scene.rungs.placement),
+        reconstruction: asked(&flags.reconstruction, &scene.rungs.reconstruction),
+    };
+    let choices = [
+        &rungs.arithmetic,
+        &rungs.visibility,
+        &rungs.emitters,
+        &rungs.transfer,
+        &rungs.placement,
+        &rungs.reconstruction,
+    ];
+    for ((ladder, built), choice) in BUILT.iter().zip(choices) {
+        if let Some(name) = choice {
+            has(ladder, built, name)?;
+        }
+    }
+    named(rungs.arithmetic.as_deref())
+}
+
+/// The arithmetic rung of a flag alone, where there is no scene.
+pub(super) fn arithmetic_flag(flag: Option<&str>) -> Result<Rung, Failure> {
+    if let Some(name) = flag {
+        has(BUILT[0].0, BUILT[0].1, name)?;
+    }
+    named(flag)
+}
+
+fn named(name: Option<&str>) -> Result<Rung, Failure> {
+    let Some(name) = name else { return Ok(Rung::default()) };
+    Rung::named(name).ok_or_else(|| lacking("arithmetic", BUILT[0].1, name))
+}
+
+fn has(ladder: &str, built: &[&str], name: &str) -> Result<(), Failure> {
+    if built.contains(&name) {
+        return Ok(());
+    }
+    let known = LADDERS.iter().find(|known| known.name == ladder);
+    match known {
+        Some(known) if known.has(name) => Err(lacking(ladder, built, name)),
+        Some(known) => Err(Failure::usage(
+            format!("`{name}` is no rung of {ladder}"),
+            format!("the rungs of {ladder} are {}", known.rungs.join(", ")),
+        )),
+        None => Err(Failure::usage(format!("there is no ladder `{ladder}`"), "")),
+    }
+}
+
+fn lacking(ladder: &str, built: &[&str], name: &str) -> Failure {
+    Failure::limit(
+        format!("this build lacks the rung `{name}` of {ladder}"),
+        format!("it has {}", built.join(", ")),
+    )
+}

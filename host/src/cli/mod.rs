@@ -1,0 +1,94 @@
+//! The command line: one file per command, on top of every other room.
+//!
+//! stdout carries the answer alone; progress and complaints go to stderr. Exit
+//! codes: 0 done, 1 a stated limit or comparison failed, 2 bad usage or input.
+
+mod check;
+mod choice;
+mod device;
+mod failure;
+mod form_factor;
+mod pipeline;
+mod render;
+mod solve;
+
+use clap::{Args, Parser, Subcommand};
+use failure::Failure;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// How much light reaches every surface of a scene, on a microcontroller,
+/// inside a fixed budget.
+///
+/// Without a command: renders the paper's scene into ./isolux-out.
+#[derive(Debug, Parser)]
+#[command(name = "isolux", version, max_term_width = 100)]
+struct Arguments {
+    /// Print one JSON document on stdout.
+    #[arg(long, global = true)]
+    json: bool,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Validate a scene and say what it requires.
+    Check(check::Arguments),
+    /// Plan, solve and judge a scene; draw pictures and the error table.
+    Render(render::Arguments),
+    /// Irradiance at points, evaluated by the kernel.
+    Solve(solve::Arguments),
+    /// Form factors of polygons, JSON lines in and out.
+    FormFactor(form_factor::Arguments),
+    /// Run the baked scene on an emulated Cortex-M and compare the bits.
+    Device(device::Arguments),
+}
+
+/// A scene file, by path or by the name of a shipped scene.
+#[derive(Debug, Args)]
+struct SceneArgument {
+    /// The scene file, or the name of a scene that isolux ships: paper, paper-aspect.
+    scene: PathBuf,
+}
+
+/// How often light is reflected.
+#[derive(Debug, Args)]
+struct BouncesArgument {
+    /// Light reflected at most so many times; 0 is direct light only.
+    /// Default: until the unshot power is below 0.001 of the emitted power.
+    #[arg(long, value_name = "N")]
+    bounces: Option<u32>,
+}
+
+/// Runs the program on its command line.
+pub fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            let usage = error.use_stderr();
+            // A closed stdout or stderr leaves nobody to tell.
+            let _ = error.print();
+            return ExitCode::from(if usage { 2 } else { 0 });
+        }
+    };
+    if arguments.json {
+        crate::report::silence();
+    }
+    match run(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.tell(),
+    }
+}
+
+fn run(arguments: Arguments) -> Result<(), Failure> {
+    let json = arguments.json;
+    match arguments.command {
+        None => render::run(&render::Arguments::of_the_paper(), json),
+        Some(Command::Check(arguments)) => check::run(&arguments, json),
+        Some(Command::Render(arguments)) => render::run(&arguments, json),
+        Some(Command::Solve(arguments)) => solve::run(&arguments, json),
+        Some(Command::FormFactor(arguments)) => form_factor::run(&arguments, json),
+        Some(Command::Device(arguments)) => device::run(&arguments, json),
+    }
+}

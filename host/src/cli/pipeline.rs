@@ -1,0 +1,121 @@
+//! The way from a scene file to a solved scene, shared by the commands.
+
+use super::choice::{self, RungArguments};
+use super::failure::Failure;
+use crate::bake::{self, Tables};
+use crate::plan::{self, Plan};
+use crate::reference::{self, Reference, Reflections};
+use crate::report::Progress;
+use crate::scene::diagnostic::Diagnostic;
+use crate::scene::requires::{Requirements, requirements};
+use crate::scene::{Scene, file, shipped};
+use crate::solve::{self, Rung, Solution};
+use glam::DVec3;
+use isolux::shoot::Stop;
+use std::path::Path;
+
+/// The fraction of the emitted power below which light is left unshot where no
+/// number of reflections is asked for.
+pub(super) const UNSHOT: f32 = 0.001;
+
+/// The fraction at which a reference counts as converged.
+const CONVERGED: f64 = 1e-5;
+
+/// Reads a scene by path, or by the name of a shipped one where there is no
+/// such file.
+pub(super) fn read(path: &Path) -> Result<Scene, Failure> {
+    if !path.exists() {
+        let named = |(file, _): &&(&str, &str)| {
+            path == Path::new(file) || path == Path::new(file.trim_end_matches(".toml"))
+        };
+        if let Some((file, source)) = shipped::ALL.iter().find(named) {
+            return Ok(file::parse(file, source)?);
+        }
+    }
+    Ok(file::read(path)?)
+}
+
+/// Refuses what this build would render wrong.
+pub(super) fn supported(scene: &Scene) -> Result<Requirements, Failure> {
+    let needs = requirements(scene);
+    if let Some(blocked) = &needs.visibility {
+        return Err(Failure::limit(
+            format!("scene `{}` needs visibility, which this build lacks", scene.name),
+            blocked.explain(scene),
+        ));
+    }
+    if let Some(surface) = needs.channels_because {
+        return Err(Failure::limit(
+            format!("scene `{}` needs three channels, this build has one", scene.name),
+            format!("surface `{}` is not grey", scene.surfaces[surface].name),
+        ));
+    }
+    Ok(needs)
+}
+
+/// A scene, planned and baked.
+pub(super) struct Planned {
+    pub(super) scene: Scene,
+    pub(super) rung: Rung,
+    pub(super) plan: Plan,
+    pub(super) tables: Tables,
+}
+
+/// Plans and bakes a scene after checking that this build can.
+pub(super) fn plan(scene: Scene, rungs: &RungArguments) -> Result<Planned, Failure> {
+    let rung = choice::arithmetic(rungs, &scene)?;
+    supported(&scene)?;
+    // The samples follow the light after one reflection: it has the shape of
+    // all of it.
+    let once = judge(&scene, Reflections::AtMost(1))?;
+    let progress = Progress::start("planning", 0);
+    let field = |places: &[(DVec3, DVec3)]| once.irradiance_at(places);
+    let plan = plan::isolux(&scene, &scene.budget, &field)
+        .map_err(|error| Failure::limit(error, "change [budget] samples in the scene"))?;
+    progress.finish();
+    let tables = bake::bake(&scene, &plan)
+        .map_err(|error| Failure::limit(error, "lower [budget] samples or split the scene"))?;
+    Ok(Planned { scene, rung, plan, tables })
+}
+
+impl Planned {
+    /// Solves it on the host, with the kernel.
+    pub(super) fn solve(&self, bounces: Option<u32>) -> Result<Solution<'_>, Failure> {
+        solve::solve(&self.tables, self.rung, stop(bounces))
+            .map_err(|error| Failure::limit(error, "lower [budget] samples or split the scene"))
+    }
+}
+
+/// When the kernel stops.
+pub(super) fn stop(bounces: Option<u32>) -> Stop {
+    bounces.map_or(Stop::below(UNSHOT), Stop::Reflections)
+}
+
+/// The light that a picture is judged by: all of it, or what `--bounces` asks
+/// for.
+pub(super) fn all_light(bounces: Option<u32>) -> Reflections {
+    bounces.map_or(Reflections::UntilUnshot(CONVERGED), |n| Reflections::AtMost(n as usize))
+}
+
+/// The light that `solve --reference` answers with: what the kernel shoots.
+pub(super) fn same_light(bounces: Option<u32>) -> Reflections {
+    bounces.map_or(Reflections::UntilUnshot(f64::from(UNSHOT)), |n| {
+        Reflections::AtMost(n as usize)
+    })
+}
+
+/// The f64 reference, with progress.
+pub(super) fn judge(scene: &Scene, reflections: Reflections) -> Result<Reference, Failure> {
+    const STEPS: f64 = 1000.0;
+    let progress = Progress::start("reference", STEPS as u64);
+    let mut tell = |done: f64| {
+        let done = (done.clamp(0.0, 1.0) * STEPS) as u64;
+        progress.advance(done.saturating_sub(progress.done()));
+    };
+    Reference::new(scene, reflections, &mut tell).map_err(|error| match error {
+        reference::Error::Outline { .. } => {
+            Failure::Input(Diagnostic::of_file(&scene.name, error.to_string(), ""))
+        }
+        _ => Failure::limit(error, ""),
+    })
+}

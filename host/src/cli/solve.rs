@@ -1,0 +1,208 @@
+//! `isolux solve`: irradiance at points.
+
+use super::choice::RungArguments;
+use super::failure::Failure;
+use super::pipeline::{self, Planned};
+use super::{BouncesArgument, SceneArgument};
+use crate::scene::Scene;
+use crate::scene::diagnostic::Diagnostic;
+use crate::scene::points::{self, SensorPoint};
+use crate::solve::Solution;
+use clap::Args;
+use serde::Serialize;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Prints the irradiance at points as CSV: `x,y,z,nx,ny,nz,E`, in W/m² (lx in a
+/// photometric scene), rows in the order of the points.
+///
+/// The kernel evaluates every point from the emitters, without resampling.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    scene: SceneArgument,
+    /// Sensor points, `x y z nx ny nz` a line. Default: the scene's named points.
+    #[arg(long, value_name = "FILE.pts")]
+    points: Option<PathBuf>,
+    #[command(flatten)]
+    bounces: BouncesArgument,
+    /// Answer from the f64 reference.
+    #[arg(long, conflicts_with = "reconstructed")]
+    reference: bool,
+    /// Answer from the planned samples: points must lie on planned surfaces.
+    #[arg(long)]
+    reconstructed: bool,
+    #[command(flatten)]
+    rungs: RungArguments,
+}
+
+#[derive(Serialize)]
+struct Solved<'a> {
+    scene: &'a str,
+    unit: &'static str,
+    method: &'static str,
+    bounces: Option<u32>,
+    points: Vec<Answer>,
+}
+
+#[derive(Serialize)]
+struct Answer {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<String>,
+    position: [f64; 3],
+    normal: [f64; 3],
+    #[serde(rename = "E")]
+    irradiance: Value,
+}
+
+/// A number in the digits of its own precision.
+#[derive(Clone, Copy, Serialize)]
+#[serde(untagged)]
+enum Value {
+    Single(f32),
+    Double(f64),
+}
+
+impl std::fmt::Display for Value {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Single(value) => value.fmt(f),
+            Self::Double(value) => value.fmt(f),
+        }
+    }
+}
+
+/// A point that is asked for, with what is needed to complain about it.
+struct Asked {
+    name: Option<String>,
+    point: SensorPoint,
+}
+
+pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
+    let scene = pipeline::read(&arguments.scene.scene)?;
+    let unit = scene.quantity.irradiance_unit();
+    let asked = asked(arguments, &scene)?;
+    let bounces = arguments.bounces.bounces;
+    let name = scene.name.clone();
+    let values = if arguments.reference {
+        super::choice::arithmetic(&arguments.rungs, &scene)?;
+        pipeline::supported(&scene)?;
+        let reference = pipeline::judge(&scene, pipeline::same_light(bounces))?;
+        let places: Vec<_> = asked.iter().map(|a| (a.point.position, a.point.normal)).collect();
+        reference.irradiance_at(&places).into_iter().map(Value::Double).collect()
+    } else {
+        let planned = pipeline::plan(scene, &arguments.rungs)?;
+        let solution = planned.solve(bounces)?;
+        if arguments.reconstructed {
+            reconstructed(&planned, &solution, &asked, arguments)?
+        } else {
+            evaluated(&solution, &asked)?
+        }
+    };
+    let method = match (arguments.reference, arguments.reconstructed) {
+        (true, _) => "reference",
+        (_, true) => "reconstructed",
+        _ => "evaluated",
+    };
+    let mut out = std::io::stdout().lock();
+    if json {
+        let points = asked.into_iter().zip(values).map(answer).collect();
+        let solved = Solved { scene: &name, unit, method, bounces, points };
+        serde_json::to_writer(&mut out, &solved).map_err(std::io::Error::from)?;
+        writeln!(out)?;
+    } else {
+        writeln!(out, "x,y,z,nx,ny,nz,E")?;
+        for (asked, value) in asked.iter().zip(values) {
+            let [x, y, z, nx, ny, nz] = asked.point.given;
+            writeln!(out, "{x},{y},{z},{nx},{ny},{nz},{value}")?;
+        }
+    }
+    out.flush()?;
+    Ok(())
+}
+
+fn answer((asked, irradiance): (Asked, Value)) -> Answer {
+    let [x, y, z, nx, ny, nz] = asked.point.given;
+    Answer { name: asked.name, position: [x, y, z], normal: [nx, ny, nz], irradiance }
+}
+
+fn asked(arguments: &Arguments, scene: &Scene) -> Result<Vec<Asked>, Failure> {
+    if let Some(path) = &arguments.points {
+        let points = points::read_points(path)?;
+        return Ok(points.into_iter().map(|point| Asked { name: None, point }).collect());
+    }
+    if scene.points.is_empty() {
+        return Err(Failure::usage(
+            format!("scene `{}` names no points", scene.name),
+            "give points with --points FILE.pts, `x y z nx ny nz` a line",
+        ));
+    }
+    let named = scene.points.iter().map(|point| {
+        let ([x, y, z], [nx, ny, nz]) = (point.position.to_array(), point.normal.to_array());
+        let given = [x, y, z, nx, ny, nz];
+        let (position, normal) = (point.position, point.normal);
+        Asked {
+            name: Some(point.name.clone()),
+            point: SensorPoint { position, normal, given, line: 0 },
+        }
+    });
+    Ok(named.collect())
+}
+
+fn evaluated(solution: &Solution<'_>, asked: &[Asked]) -> Result<Vec<Value>, Failure> {
+    let receivers: Vec<_> = asked
+        .iter()
+        .map(|asked| {
+            let single = |v: glam::DVec3| v.as_vec3().to_array();
+            (single(asked.point.position), single(asked.point.normal))
+        })
+        .collect();
+    let values = solution.at(&receivers).map_err(|error| Failure::usage(error, ""))?;
+    Ok(values.into_iter().map(Value::Single).collect())
+}
+
+/// How far a normal may lean from its surface's: 0.1°.
+const SAME_NORMAL: f64 = 0.999_998;
+
+fn reconstructed(
+    planned: &Planned,
+    solution: &Solution<'_>,
+    asked: &[Asked],
+    arguments: &Arguments,
+) -> Result<Vec<Value>, Failure> {
+    let tolerance = planned.scene.plane_tolerance();
+    let one = |asked: &Asked| {
+        let point = &asked.point;
+        let on = |(index, surface): (usize, &crate::plan::SurfacePlan)| {
+            let frame = &surface.frame;
+            let (u, v) = frame.to_local(point.position);
+            let height = (point.position - frame.origin).dot(frame.normal).abs();
+            let here = !surface.samples.is_empty()
+                && height <= tolerance
+                && point.normal.dot(frame.normal) >= SAME_NORMAL
+                && frame.contains(u, v);
+            here.then_some((index, [u as f32, v as f32]))
+        };
+        let found = planned.plan.surfaces.iter().enumerate().find_map(on);
+        let value = found.and_then(|(index, place)| solution.resampled(index, place).ok().flatten());
+        value.map(Value::Single).ok_or_else(|| off_surface(asked, arguments))
+    };
+    asked.iter().map(one).collect()
+}
+
+fn off_surface(asked: &Asked, arguments: &Arguments) -> Failure {
+    let message = "the point lies on no surface that has samples, or faces another way";
+    let remedy = "leave out --reconstructed to evaluate any point in space";
+    match (&arguments.points, &asked.name) {
+        (Some(path), _) => {
+            let line = asked.point.given.map(|x| x.to_string()).join(" ");
+            let whole = 0..line.len();
+            let file = path.display().to_string();
+            Diagnostic::in_line(&file, asked.point.line, &line, whole, message, remedy).into()
+        }
+        (None, name) => Failure::usage(
+            format!("point `{}`: {message}", name.as_deref().unwrap_or_default()),
+            remedy,
+        ),
+    }
+}

@@ -1,0 +1,219 @@
+//! Decides where a scene is sampled and what shoots its reflected light.
+//!
+//! The isolux mode is the paper's, made automatic: the irradiance each surface
+//! receives is known from the reference; its isolux outlines become the
+//! polygons that shoot reflected light, and their vertices, with the peak, are
+//! the samples. A planned scene is data: [`crate::bake`] turns it into tables.
+
+mod isolux;
+mod outline;
+mod pool;
+mod share;
+mod spacing;
+
+use crate::scene::frame::Frame;
+use crate::scene::{Budget, Scene, Surface};
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// Where the samples of a scene are, and which polygons shoot.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// One entry for each surface of the scene, in its order.
+    pub surfaces: Vec<SurfacePlan>,
+}
+
+/// The samples and secondary emitters of one surface.
+#[derive(Clone, Debug)]
+pub struct SurfacePlan {
+    /// The surface's own coordinates.
+    pub frame: Frame,
+    /// The samples; none where nothing is reflected.
+    pub samples: Vec<Sample>,
+    /// The secondary emitters, darkest first.
+    pub bands: Vec<Band>,
+    /// Radius of the cone filter in metres; 0 where there are no samples.
+    pub filter_radius: f64,
+}
+
+/// A place where irradiance is evaluated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Coordinates (u, v) in the surface's frame, in metres.
+    pub place: [f64; 2],
+    /// Why it is there.
+    pub tag: Tag,
+}
+
+/// Why a sample is where it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Tag {
+    /// On the surface's own outline, a vertex of the darkest emitter.
+    Edge,
+    /// On an isolux outline, a vertex of two emitters.
+    Isolux,
+    /// At the largest irradiance.
+    Peak,
+}
+
+impl Tag {
+    /// What the tag is called in pictures and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Edge => "edge",
+            Self::Isolux => "isolux",
+            Self::Peak => "peak",
+        }
+    }
+}
+
+/// The part of a surface between two isolux outlines: a secondary emitter.
+#[derive(Clone, Debug)]
+pub struct Band {
+    /// Indices into [`SurfacePlan::samples`]: outer loops counter-clockwise,
+    /// inner ones clockwise.
+    pub loops: Vec<Vec<usize>>,
+    /// The samples whose mean irradiance the band reflects; one that counts
+    /// more than once stands here as often.
+    pub members: Vec<usize>,
+    /// Area in m².
+    pub area: f64,
+}
+
+/// Why a scene could not be planned.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Unplannable {
+    /// The sample budget is below what the surfaces need at least.
+    Samples {
+        /// Samples allowed.
+        allowed: u64,
+        /// Samples needed at least.
+        needed: u64,
+    },
+    /// More samples than the tables can index.
+    TooMany {
+        /// Samples asked for.
+        asked: u64,
+        /// Samples the tables can index.
+        most: u64,
+    },
+}
+
+impl std::fmt::Display for Unplannable {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Samples { allowed, needed } => write!(
+                f,
+                "the budget allows {allowed} samples; the reflecting surfaces of this scene need at least {needed}"
+            ),
+            Self::TooMany { asked, most } => {
+                write!(f, "{asked} samples asked for; the tables can index {most}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for Unplannable {}
+
+/// Samples per reflecting surface where the scene sets no budget.
+const DEFAULT_SAMPLES: u64 = 32;
+
+/// The largest number of samples whose indices fit the tables.
+const MOST_SAMPLES: u64 = 1 << 16;
+
+/// Places along each side of a surface at which another one's emitters are
+/// judged.
+const PROBES: usize = 6;
+
+/// The irradiance at many places with their normals: what the planner looks at.
+pub type Field<'a> = dyn Fn(&[(DVec3, DVec3)]) -> Vec<f64> + 'a;
+
+/// Plans a scene in isolux mode.
+///
+/// `field` gives the irradiance after the reflections that are to be planned
+/// for. The samples of [`Budget::samples`] are divided among the reflecting
+/// surfaces by [`share`]; surfaces that reflect nothing get none.
+///
+/// # Errors
+/// [`Unplannable`] where the budget is too small, or too large for the tables.
+pub fn isolux(scene: &Scene, budget: &Budget, field: &Field<'_>) -> Result<Plan, Unplannable> {
+    let maps: Vec<Option<isolux::Map>> = scene
+        .surfaces
+        .iter()
+        .map(|surface| (surface.reflectance[0] > 0.0).then(|| isolux::Map::new(surface, field)))
+        .collect();
+    let reflecting = maps.iter().flatten().count() as u64;
+    let budget = budget.samples.unwrap_or(DEFAULT_SAMPLES * reflecting);
+    if budget > MOST_SAMPLES {
+        return Err(Unplannable::TooMany {
+            asked: budget,
+            most: MOST_SAMPLES,
+        });
+    }
+    let demands: Vec<Option<share::Demand>> = maps
+        .iter()
+        .map(|map| map.as_ref().map(isolux::Map::demand))
+        .collect();
+    let shares = share::samples(&demands, budget)?;
+    let emitted: f64 = scene
+        .surfaces
+        .iter()
+        .map(|s| PI * s.radiance[0] * s.area)
+        .sum();
+    let surfaces = scene
+        .surfaces
+        .iter()
+        .zip(maps)
+        .zip(shares)
+        .map(|((surface, map), samples)| match map {
+            Some(map) => {
+                let weight = surface.reflectance[0] * map.power() / emitted;
+                map.place(samples, &probes(scene, surface), weight)
+            }
+            None => SurfacePlan {
+                frame: Frame::new(surface),
+                samples: Vec::new(),
+                bands: Vec::new(),
+                filter_radius: 0.0,
+            },
+        })
+        .collect();
+    Ok(Plan { surfaces })
+}
+
+/// Places on every other surface, [`PROBES`] × [`PROBES`] each.
+fn probes(scene: &Scene, surface: &Surface) -> Vec<(DVec3, DVec3)> {
+    let others = scene
+        .surfaces
+        .iter()
+        .filter(|other| !std::ptr::eq(*other, surface));
+    others
+        .flat_map(|other| {
+            let frame = Frame::new(other);
+            (0..PROBES * PROBES).filter_map(move |k| {
+                let (u, v) = frame.cell_center(k % PROBES, k / PROBES, PROBES, PROBES);
+                frame
+                    .contains(u, v)
+                    .then(|| (frame.to_world(u, v), frame.normal))
+            })
+        })
+        .collect()
+}
+
+impl Plan {
+    /// How many samples there are.
+    pub fn samples(&self) -> usize {
+        self.surfaces
+            .iter()
+            .map(|surface| surface.samples.len())
+            .sum()
+    }
+
+    /// How many secondary emitters there are.
+    pub fn bands(&self) -> usize {
+        self.surfaces
+            .iter()
+            .map(|surface| surface.bands.len())
+            .sum()
+    }
+}

@@ -1,0 +1,206 @@
+//! The kernel on the host: the same code and the same bits as on the device.
+//!
+//! Between [`crate::bake`], which makes its tables, and [`crate::compare`],
+//! which judges it. Independent samples are spread over the cores; no sum is
+//! divided, so no bit depends on how many there are.
+
+use crate::bake::Tables;
+use isolux::Error;
+use isolux::form_factor::{Arithmetic, Best, Libm};
+use isolux::geometry::Receiver;
+use isolux::number::Root;
+use isolux::scene::Scene;
+use isolux::shoot::{Light, Solved, Stop};
+use rayon::prelude::*;
+
+/// The host's square root: an instruction, correctly rounded like every
+/// other [`Root`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct HostRoot;
+
+impl Root<f32> for HostRoot {
+    #[inline]
+    fn sqrt(x: f32) -> f32 {
+        x.sqrt()
+    }
+}
+
+/// The arithmetic rungs of this build.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rung {
+    /// [`Best`].
+    #[default]
+    Best,
+    /// [`Libm`].
+    Libm,
+}
+
+impl Rung {
+    /// All rungs, by name.
+    pub const ALL: [(&'static str, Self); 2] = [("best", Self::Best), ("libm", Self::Libm)];
+
+    /// The rung of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map(|&(_, rung)| rung)
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Best => "best",
+            Self::Libm => "libm",
+        }
+    }
+
+    /// The form factor of a polygon in `f32`, as the device computes it.
+    ///
+    /// # Errors
+    /// [`Error::Receiver`] where position or normal are no receiver.
+    pub fn form_factor(
+        self,
+        position: [f32; 3],
+        normal: [f32; 3],
+        vertices: &[[f32; 3]],
+    ) -> Result<f32, Error> {
+        let receiver = Receiver::new::<HostRoot>(position, normal)?;
+        Ok(match self {
+            Self::Best => {
+                isolux::form_factor::form_factor::<Best<HostRoot>, f32>(&receiver, vertices)
+            }
+            Self::Libm => {
+                isolux::form_factor::form_factor::<Libm<HostRoot>, f32>(&receiver, vertices)
+            }
+        })
+    }
+}
+
+/// The most samples a solve on the host holds: all that tables can index.
+const SAMPLES: usize = 1 << 16;
+
+/// The most emitters a solve on the host holds.
+const EMITTERS: usize = 1 << 14;
+
+/// A solved scene.
+pub struct Solution<'t> {
+    light: Box<dyn Lit + 't>,
+    /// How the solve ended.
+    pub solved: Solved,
+}
+
+/// [`Light`] with its rung and capacities out of sight.
+trait Lit: Send + Sync {
+    fn solve(&mut self, stop: Stop) -> Solved;
+    fn irradiance(&self) -> &[f32];
+    fn at(&self, receiver: &Receiver<f32>) -> f32;
+    fn radiosity(&self, emitter: usize) -> f32;
+    fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<f32>, Error>;
+    fn row(&self, surface: usize, grid: [u32; 2], row: u32, out: &mut [f32]) -> Result<u32, Error>;
+}
+
+impl<A: Arithmetic<f32> + Send + Sync> Lit for Light<'_, A, SAMPLES, EMITTERS> {
+    fn solve(&mut self, stop: Stop) -> Solved {
+        Light::solve(self, stop)
+    }
+
+    fn irradiance(&self) -> &[f32] {
+        Light::irradiance(self)
+    }
+
+    fn at(&self, receiver: &Receiver<f32>) -> f32 {
+        Light::at(self, receiver)
+    }
+
+    fn radiosity(&self, emitter: usize) -> f32 {
+        Light::radiosity(self, emitter)
+    }
+
+    fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<f32>, Error> {
+        let filtered = self.resample_at::<HostRoot>(surface, place)?;
+        Ok(filtered.map(|filtered| filtered.value))
+    }
+
+    fn row(&self, surface: usize, grid: [u32; 2], row: u32, out: &mut [f32]) -> Result<u32, Error> {
+        Ok(self
+            .resample_row::<HostRoot>(surface, grid, row, out)?
+            .out_of_reach)
+    }
+}
+
+/// Loads tables and solves them until `stop`.
+///
+/// # Errors
+/// Those of [`Scene::load`] and [`Light::new`].
+pub fn solve(tables: &Tables, rung: Rung, stop: Stop) -> Result<Solution<'_>, Error> {
+    let scene = Scene::load(tables.bytes())?;
+    let mut light: Box<dyn Lit + '_> = match rung {
+        Rung::Best => Box::new(Light::<Best<HostRoot>, SAMPLES, EMITTERS>::new(scene)?),
+        Rung::Libm => Box::new(Light::<Libm<HostRoot>, SAMPLES, EMITTERS>::new(scene)?),
+    };
+    let solved = light.solve(stop);
+    Ok(Solution { light, solved })
+}
+
+/// A resampled surface.
+#[derive(Clone, Debug)]
+pub struct Grid {
+    /// Irradiance row by row, row 0 at v = 0.
+    pub values: Vec<f32>,
+    /// Places that had no sample within the filter's radius.
+    pub out_of_reach: u32,
+}
+
+impl Solution<'_> {
+    /// Irradiance of every sample, in the order of the tables.
+    pub fn irradiance(&self) -> &[f32] {
+        self.light.irradiance()
+    }
+
+    /// Radiosity that an emitter has shot.
+    pub fn radiosity(&self, emitter: usize) -> f32 {
+        self.light.radiosity(emitter)
+    }
+
+    /// Irradiance at places with their normals, evaluated from the emitters.
+    ///
+    /// # Errors
+    /// [`Error::Receiver`] for a place or normal that is none.
+    pub fn at(&self, receivers: &[([f32; 3], [f32; 3])]) -> Result<Vec<f32>, Error> {
+        let one = |&(position, normal): &([f32; 3], [f32; 3])| {
+            Ok(self.light.at(&Receiver::new::<HostRoot>(position, normal)?))
+        };
+        receivers.par_iter().map(one).collect()
+    }
+
+    /// Irradiance resampled at (u, v), metres in the frame of a surface; `None`
+    /// for a surface without samples.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] where there is no such surface.
+    pub fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<f32>, Error> {
+        self.light.resampled(surface, place)
+    }
+
+    /// A surface resampled on `resolution` × `resolution` cells of its bounding
+    /// rectangle.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] where there is no such surface.
+    pub fn resample(&self, surface: usize, resolution: u32) -> Result<Grid, Error> {
+        let mut values = vec![0.0; (resolution * resolution) as usize];
+        let rows = values
+            .par_chunks_mut(resolution.max(1) as usize)
+            .enumerate();
+        let out_of_reach = rows
+            .map(|(row, out)| self.light.row(surface, [resolution; 2], row as u32, out))
+            .collect::<Result<Vec<u32>, Error>>()?
+            .into_iter()
+            .sum();
+        Ok(Grid {
+            values,
+            out_of_reach,
+        })
+    }
+}
