@@ -4,7 +4,7 @@
 //! judges. For scenes without occlusion, in the first channel:
 //!
 //! * Direct light is analytic, `E = Σ π L F` over the luminaires
-//!   ([`form_factor`]).
+//!   ([`form_factor()`]).
 //! * Light reflected once is `E(x) = Σ ρ/π ∫ E_direct(y) cos cos / r² dA` over
 //!   the reflecting surfaces, by adaptive product Gauss rules: surfaces are
 //!   split where the plane of a luminaire crosses them (there direct light
@@ -24,6 +24,7 @@ mod interreflection;
 mod parallel;
 mod partition;
 mod patch;
+mod request;
 mod rule;
 mod surface;
 
@@ -42,6 +43,7 @@ use rule::Rule;
 use surface::{Luminaire, Origin, Outline, Reflector};
 
 pub use form_factor::{form_factor, form_factor_signed};
+pub use request::{Error, Reflections};
 
 /// Nodes in a direction of a cell of directly lit radiance.
 const ORDER: usize = 10;
@@ -56,82 +58,10 @@ const PROMISED: f64 = 1e-9;
 const AGREEMENT: f64 = 1e-7;
 
 /// Error allowed to one cell of that mesh.
-const MESH_TOLERANCE: f64 = 1e-9;
+const MESH_TOLERANCE: f64 = 1e-8;
 
 /// Points at which two meshes are compared.
 const PROBES: usize = 96;
-
-/// Which light counts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Reflections {
-    /// Light reflected at most this often; 0 is direct light alone.
-    AtMost(usize),
-    /// Every generation until the power that is still to be shot, `Σ ρ ∫ E dA`
-    /// with E of the last generation, is below this fraction of the emitted
-    /// power `Σ π L A`. At least the direct light.
-    UntilUnshot(f64),
-}
-
-impl Reflections {
-    /// Whether light reflected `count` times is the last to count.
-    fn enough(self, count: usize, unshot: f64, power: f64) -> bool {
-        match self {
-            Self::AtMost(most) => count >= most,
-            Self::UntilUnshot(fraction) => unshot <= 0.0 || unshot < fraction * power,
-        }
-    }
-}
-
-/// Why there is no reference.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Error {
-    /// The fraction of unshot power is not a positive number.
-    Fraction(f64),
-    /// A polygon cannot be triangulated: its outline crosses itself.
-    Outline {
-        /// The surface's name.
-        surface: String,
-    },
-    /// Even the coarsest useful mesh of the reflecting surfaces is too large.
-    TooFine {
-        /// Nodes it would have.
-        nodes: usize,
-        /// Nodes it may have.
-        most: usize,
-    },
-    /// The light would have to be followed further than is sensible.
-    DoesNotDieOut {
-        /// Generations followed.
-        generations: usize,
-    },
-}
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Fraction(fraction) => write!(
-                f,
-                "the fraction of unshot power is {fraction}; it must be a number above 0"
-            ),
-            Self::Outline { surface } => write!(
-                f,
-                "surface \"{surface}\" cannot be triangulated; its outline must not cross itself"
-            ),
-            Self::TooFine { nodes, most } => write!(
-                f,
-                "the reflecting surfaces need {nodes} nodes and the reference holds {most}; \
-                 ask for at most one reflection or use fewer surfaces"
-            ),
-            Self::DoesNotDieOut { generations } => write!(
-                f,
-                "after {generations} reflections too much light is left; \
-                 allow a larger unshot fraction or state a number of reflections"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for Error {}
 
 /// The converged irradiance of an unoccluded scene (first channel).
 pub struct Reference {
@@ -161,7 +91,7 @@ impl Reference {
     /// the caller refuses scenes in which something does.
     ///
     /// `progress` is told the done share, 0 to 1. Up to one reflection this
-    /// is quick; more take a matrix of up to 6000² numbers (288 MB) and
+    /// is quick; more take a matrix of up to 6144² numbers (302 MB) and
     /// seconds.
     ///
     /// # Errors
