@@ -61,17 +61,26 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     // What this build lacks or a budget forbids is an answer here, no failure.
     match pipeline::plan(scene, &arguments.rungs) {
         Ok(planned) => {
-            let bands = planned.plan.surfaces.iter().flat_map(|surface| &surface.bands);
+            let bands = planned
+                .plan
+                .surfaces
+                .iter()
+                .flat_map(|surface| &surface.bands);
             let loops = bands.flat_map(|band| &band.loops);
-            let outlines = needs.luminaires.iter().map(|&k| planned.scene.surfaces[k].vertices.len());
+            let outlines = needs
+                .luminaires
+                .iter()
+                .map(|&k| planned.scene.surfaces[k].vertices.len());
             checked.capacities = Some(Capacities {
                 samples: planned.tables.samples,
                 emitters: planned.tables.emitters,
                 loops: loops.clone().count() + needs.luminaires.len(),
                 vertices: loops.map(Vec::len).chain(outlines).sum(),
             });
-            checked.ram_bytes =
-                Some(isolux::budget::light_bytes(planned.tables.samples, planned.tables.emitters));
+            checked.ram_bytes = Some(isolux::budget::light_bytes(
+                planned.tables.samples,
+                planned.tables.emitters,
+            ));
             checked.flash_bytes = Some(planned.tables.bytes().len());
         }
         Err(Failure::Limit { message, remedy }) => {
@@ -90,7 +99,8 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
 }
 
 fn in_words(checked: &Checked) -> String {
-    let count = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
+    let count =
+        |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
     let mut text = format!(
         "scene `{}` is sound: {}, {}, {}, {}\n",
         checked.scene,

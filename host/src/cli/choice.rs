@@ -78,7 +78,9 @@ pub(super) fn arithmetic_flag(flag: Option<&str>) -> Result<Rung, Failure> {
 }
 
 fn named(name: Option<&str>) -> Result<Rung, Failure> {
-    let Some(name) = name else { return Ok(Rung::default()) };
+    let Some(name) = name else {
+        return Ok(Rung::default());
+    };
     Rung::named(name).ok_or_else(|| lacking("arithmetic", BUILT[0].1, name))
 }
 

@@ -30,11 +30,17 @@ pub(super) enum Failure {
 
 impl Failure {
     pub(super) fn limit(message: impl ToString, remedy: impl ToString) -> Self {
-        Self::Limit { message: message.to_string(), remedy: remedy.to_string() }
+        Self::Limit {
+            message: message.to_string(),
+            remedy: remedy.to_string(),
+        }
     }
 
     pub(super) fn usage(message: impl ToString, remedy: impl ToString) -> Self {
-        Self::Usage { message: message.to_string(), remedy: remedy.to_string() }
+        Self::Usage {
+            message: message.to_string(),
+            remedy: remedy.to_string(),
+        }
     }
 
     /// Says it on stderr and gives the exit code.

@@ -56,7 +56,11 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
             .iter()
             .filter(|&&byte| byte == b'\n')
             .count();
-        Diagnostic::of_file("stdin", format!("line {line} is not UTF-8"), "JSON is UTF-8")
+        Diagnostic::of_file(
+            "stdin",
+            format!("line {line} is not UTF-8"),
+            "JSON is UTF-8",
+        )
     })?;
     // Everything is answered before anything is written: a bad line leaves no
     // half of an answer behind.
@@ -103,7 +107,12 @@ fn parse(number: usize, line: &str) -> Result<Question, Diagnostic> {
     })?;
     let vertices = question.v.len();
     if !(LEAST_VERTICES..=MOST_VERTICES).contains(&vertices) {
-        return Err(bad(number, line, 0, &format!("a polygon of {vertices} vertices")));
+        return Err(bad(
+            number,
+            line,
+            0,
+            &format!("a polygon of {vertices} vertices"),
+        ));
     }
     Ok(question)
 }
@@ -113,16 +122,26 @@ fn answer(question: Question, rung: Rung, reference: bool) -> Result<String, Str
     let Question { id, p, n, v } = question;
     // Both judges refuse the same input.
     let vertices: Vec<[f32; 3]> = v.iter().map(|&v| single(v)).collect();
-    if vertices.iter().flatten().chain(&single(p)).any(|x| !x.is_finite()) {
+    if vertices
+        .iter()
+        .flatten()
+        .chain(&single(p))
+        .any(|x| !x.is_finite())
+    {
         return Err("a coordinate is too large for single precision".into());
     }
-    let kernel = rung.form_factor(single(p), single(n), &vertices).map_err(|e| e.to_string())?;
+    let kernel = rung
+        .form_factor(single(p), single(n), &vertices)
+        .map_err(|e| e.to_string())?;
     let line = if reference {
         let polygon: Vec<DVec3> = v.into_iter().map(DVec3::from).collect();
         let form_factor = reference::form_factor(p.into(), n.into(), &polygon);
         serde_json::to_string(&Answer { id, form_factor })
     } else {
-        serde_json::to_string(&Answer { id, form_factor: kernel })
+        serde_json::to_string(&Answer {
+            id,
+            form_factor: kernel,
+        })
     };
     line.map_err(|error| error.to_string())
 }

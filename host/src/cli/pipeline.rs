@@ -40,13 +40,19 @@ pub(super) fn supported(scene: &Scene) -> Result<Requirements, Failure> {
     let needs = requirements(scene);
     if let Some(blocked) = &needs.visibility {
         return Err(Failure::limit(
-            format!("scene `{}` needs visibility, which this build lacks", scene.name),
+            format!(
+                "scene `{}` needs visibility, which this build lacks",
+                scene.name
+            ),
             blocked.explain(scene),
         ));
     }
     if let Some(surface) = needs.channels_because {
         return Err(Failure::limit(
-            format!("scene `{}` needs three channels, this build has one", scene.name),
+            format!(
+                "scene `{}` needs three channels, this build has one",
+                scene.name
+            ),
             format!("surface `{}` is not grey", scene.surfaces[surface].name),
         ));
     }
@@ -75,7 +81,12 @@ pub(super) fn plan(scene: Scene, rungs: &RungArguments) -> Result<Planned, Failu
     progress.finish();
     let tables = bake::bake(&scene, &plan)
         .map_err(|error| Failure::limit(error, "lower [budget] samples or split the scene"))?;
-    Ok(Planned { scene, rung, plan, tables })
+    Ok(Planned {
+        scene,
+        rung,
+        plan,
+        tables,
+    })
 }
 
 impl Planned {
@@ -94,7 +105,9 @@ pub(super) fn stop(bounces: Option<u32>) -> Stop {
 /// The light that a picture is judged by: all of it, or what `--bounces` asks
 /// for.
 pub(super) fn all_light(bounces: Option<u32>) -> Reflections {
-    bounces.map_or(Reflections::UntilUnshot(CONVERGED), |n| Reflections::AtMost(n as usize))
+    bounces.map_or(Reflections::UntilUnshot(CONVERGED), |n| {
+        Reflections::AtMost(n as usize)
+    })
 }
 
 /// The light that `solve --reference` answers with: what the kernel shoots.

@@ -88,8 +88,15 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         super::choice::arithmetic(&arguments.rungs, &scene)?;
         pipeline::supported(&scene)?;
         let reference = pipeline::judge(&scene, pipeline::same_light(bounces))?;
-        let places: Vec<_> = asked.iter().map(|a| (a.point.position, a.point.normal)).collect();
-        reference.irradiance_at(&places).into_iter().map(Value::Double).collect()
+        let places: Vec<_> = asked
+            .iter()
+            .map(|a| (a.point.position, a.point.normal))
+            .collect();
+        reference
+            .irradiance_at(&places)
+            .into_iter()
+            .map(Value::Double)
+            .collect()
     } else {
         let planned = pipeline::plan(scene, &arguments.rungs)?;
         let solution = planned.solve(bounces)?;
@@ -107,7 +114,13 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     if json {
         let points = asked.into_iter().zip(values).map(answer).collect();
-        let solved = Solved { scene: &name, unit, method, bounces, points };
+        let solved = Solved {
+            scene: &name,
+            unit,
+            method,
+            bounces,
+            points,
+        };
         serde_json::to_writer(&mut out, &solved).map_err(std::io::Error::from)?;
         writeln!(out)?;
     } else {
@@ -123,13 +136,21 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
 
 fn answer((asked, irradiance): (Asked, Value)) -> Answer {
     let [x, y, z, nx, ny, nz] = asked.point.given;
-    Answer { name: asked.name, position: [x, y, z], normal: [nx, ny, nz], irradiance }
+    Answer {
+        name: asked.name,
+        position: [x, y, z],
+        normal: [nx, ny, nz],
+        irradiance,
+    }
 }
 
 fn asked(arguments: &Arguments, scene: &Scene) -> Result<Vec<Asked>, Failure> {
     if let Some(path) = &arguments.points {
         let points = points::read_points(path)?;
-        return Ok(points.into_iter().map(|point| Asked { name: None, point }).collect());
+        return Ok(points
+            .into_iter()
+            .map(|point| Asked { name: None, point })
+            .collect());
     }
     if scene.points.is_empty() {
         return Err(Failure::usage(
@@ -143,7 +164,12 @@ fn asked(arguments: &Arguments, scene: &Scene) -> Result<Vec<Asked>, Failure> {
         let (position, normal) = (point.position, point.normal);
         Asked {
             name: Some(point.name.clone()),
-            point: SensorPoint { position, normal, given, line: 0 },
+            point: SensorPoint {
+                position,
+                normal,
+                given,
+                line: 0,
+            },
         }
     });
     Ok(named.collect())
@@ -157,7 +183,9 @@ fn evaluated(solution: &Solution<'_>, asked: &[Asked]) -> Result<Vec<Value>, Fai
             (single(asked.point.position), single(asked.point.normal))
         })
         .collect();
-    let values = solution.at(&receivers).map_err(|error| Failure::usage(error, ""))?;
+    let values = solution
+        .at(&receivers)
+        .map_err(|error| Failure::usage(error, ""))?;
     Ok(values.into_iter().map(Value::Single).collect())
 }
 
@@ -184,8 +212,11 @@ fn reconstructed(
             here.then_some((index, [u as f32, v as f32]))
         };
         let found = planned.plan.surfaces.iter().enumerate().find_map(on);
-        let value = found.and_then(|(index, place)| solution.resampled(index, place).ok().flatten());
-        value.map(Value::Single).ok_or_else(|| off_surface(asked, arguments))
+        let value =
+            found.and_then(|(index, place)| solution.resampled(index, place).ok().flatten());
+        value
+            .map(Value::Single)
+            .ok_or_else(|| off_surface(asked, arguments))
     };
     asked.iter().map(one).collect()
 }

@@ -35,7 +35,11 @@ pub fn camera(answers: &Answers<'_>, view: &View, full_scale: &[f64]) -> Result<
         .filter_map(|(pixel, hit)| hit.filter(|hit| hit.front).map(|hit| (pixel, hit)))
         .filter(|(_, hit)| answers.scene.surfaces[hit.surface].reflectance[0] > 0.0)
         .collect();
-    let place = |hit: &Hit| answers.plan.surfaces[hit.surface].frame.to_local(hit.position);
+    let place = |hit: &Hit| {
+        answers.plan.surfaces[hit.surface]
+            .frame
+            .to_local(hit.position)
+    };
     let asked: Vec<_> = lit
         .iter()
         .map(|(_, hit)| (hit.position, answers.scene.surfaces[hit.surface].normal))
@@ -52,7 +56,9 @@ pub fn camera(answers: &Answers<'_>, view: &View, full_scale: &[f64]) -> Result<
         .iter()
         .map(|(_, hit)| {
             let (u, v) = place(hit);
-            let value = answers.solution.resampled(hit.surface, [u as f32, v as f32])?;
+            let value = answers
+                .solution
+                .resampled(hit.surface, [u as f32, v as f32])?;
             Ok(value.map_or(0.0, f64::from))
         })
         .collect::<Result<Vec<f64>, Error>>()?;

@@ -54,9 +54,8 @@ pub fn surface(answers: &Answers<'_>, index: usize, resolution: usize) -> Result
         places.iter().map(at).collect::<Option<Vec<f64>>>()
     });
     let full_scale = reference.iter().copied().fold(0.0, f64::max);
-    let against = |values: &[f64]| {
-        errors(cells.iter().map(|&k| (values[k], reference[k])), full_scale)
-    };
+    let against =
+        |values: &[f64]| errors(cells.iter().map(|&k| (values[k], reference[k])), full_scale);
     Ok(Compared {
         surface: index,
         resolution,

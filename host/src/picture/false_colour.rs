@@ -5,9 +5,7 @@ use super::canvas::{Canvas, Frame, GREY, Rgb, WHITE};
 use super::isolines::{DrawnIsoline, draw_labels, draw_lines, isolines};
 use super::scale::Amounts;
 use super::view::{Placed, drawn_size};
-use super::{
-    CameraView, Picture, PictureError, SurfaceField, colour_bar,
-};
+use super::{CameraView, Picture, PictureError, SurfaceField, colour_bar};
 use crate::report::quantity;
 use crate::scene::Quantity;
 

@@ -1,0 +1,138 @@
+//! `isolux device`: the baked scene on an emulated Cortex-M, bit by bit.
+
+use super::choice::RungArguments;
+use super::failure::Failure;
+use super::pipeline::{self, Planned};
+use super::render::GRID;
+use super::{BouncesArgument, SceneArgument};
+use crate::device::{self, Core, Job, Measured, Options};
+use crate::report::Progress;
+use crate::solve::Solution;
+use clap::Args;
+use std::io::Write;
+
+/// Bakes a scene, builds the firmware around it, runs it on an emulated
+/// Cortex-M4F and M7, and compares every sample and every resampled value with
+/// the host's, bit by bit. Reports instructions, stack, RAM and flash.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    scene: SceneArgument,
+    #[command(flatten)]
+    bounces: BouncesArgument,
+    /// Build a firmware that is wrong by one bit: the comparison must fail.
+    #[arg(long)]
+    negative_control: bool,
+    #[command(flatten)]
+    rungs: RungArguments,
+}
+
+pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
+    let planned = pipeline::plan(pipeline::read(&arguments.scene.scene)?, &arguments.rungs)?;
+    let bounces = arguments.bounces.bounces;
+    let solution = planned.solve(bounces)?;
+    let expected = expected(&planned, &solution)?;
+    let job = Job {
+        scene: &planned.scene.name,
+        tables: planned.tables.bytes(),
+        samples: planned.tables.samples,
+        emitters: planned.tables.emitters,
+        arithmetic: planned.rung.name(),
+        stop: pipeline::stop(bounces),
+        resolution: GRID,
+        expected: &expected,
+        budget: planned.scene.budget,
+    };
+    let options = Options {
+        negative_control: arguments.negative_control,
+        ..Options::default()
+    };
+    let progress = Progress::start("building and emulating", 0);
+    let measured = device::run(&job, &options).map_err(|error| Failure::limit(error, ""))?;
+    progress.finish();
+    let mut out = std::io::stdout().lock();
+    if json {
+        serde_json::to_writer(&mut out, &measured).map_err(std::io::Error::from)?;
+        writeln!(out)?;
+    } else {
+        out.write_all(in_words(&measured).as_bytes())?;
+    }
+    out.flush()?;
+    verdict(&measured)
+}
+
+/// The bits of every sample and of every resampled grid, as the host has them.
+fn expected(planned: &Planned, solution: &Solution<'_>) -> Result<Vec<u32>, Failure> {
+    let mut bits: Vec<u32> = solution
+        .irradiance()
+        .iter()
+        .map(|value| value.to_bits())
+        .collect();
+    for (index, surface) in planned.plan.surfaces.iter().enumerate() {
+        if !surface.samples.is_empty() {
+            let grid = solution.resample(index, GRID as u32);
+            let grid = grid.map_err(|error| Failure::limit(error, ""))?;
+            bits.extend(grid.values.iter().map(|value| value.to_bits()));
+        }
+    }
+    Ok(bits)
+}
+
+fn verdict(measured: &Measured) -> Result<(), Failure> {
+    if !measured.bits_equal {
+        return Err(Failure::limit(
+            "the device's bits differ from the host's",
+            "a kernel operation is not the same on both: see the README on determinism",
+        ));
+    }
+    if !measured.budget.kept {
+        return Err(Failure::limit(
+            "the budget of the scene or the device is exceeded",
+            "raise [budget] ram or flash in the scene, or lower its samples",
+        ));
+    }
+    Ok(())
+}
+
+fn in_words(measured: &Measured) -> String {
+    let mut text = format!(
+        "{} on the device, {} values compared\n",
+        measured.scene, measured.values
+    );
+    for target in &measured.targets {
+        let verdict = if target.bits_equal {
+            "all bits equal"
+        } else {
+            "BITS DIFFER"
+        };
+        text.push_str(&format!(
+            "  {:<28} {verdict}, {} instructions\n",
+            target.core, target.instructions
+        ));
+    }
+    for skipped in &measured.skipped {
+        text.push_str(&format!(
+            "  {:<28} skipped: {}\n",
+            skipped.core, skipped.why
+        ));
+    }
+    let steps = &measured.instructions_by_step;
+    text.push_str(&format!(
+        "instructions on {}: load {}, direct {}, shoot {}, resample {}\n",
+        Core::ALL[0].name(),
+        steps.load,
+        steps.direct,
+        steps.shoot,
+        steps.resample,
+    ));
+    text.push_str(&format!(
+        "stack {} bytes (proved bound {}), RAM {} bytes, flash {} bytes ({} tables, {} code)\n",
+        measured.stack_bytes,
+        measured.stack_bound_bytes,
+        measured.ram_bytes,
+        measured.flash_bytes,
+        measured.flash_tables_bytes,
+        measured.flash_code_bytes,
+    ));
+    text
+}
