@@ -10,7 +10,10 @@ use isolux::scene::records::{Emitter, Header, Loop, Surface, checksum};
 use isolux::scene::{Aligned, MAGIC, Scene, VERSION, required_bytes};
 use isolux::shoot::{Light, Stop};
 use isolux_host::device::{self, Core, Error, Job, Measured, Options};
-use isolux_host::scene::Budget;
+use isolux_host::reference::{Reference, Reflections};
+use isolux_host::scene::{Budget, file, shipped};
+use isolux_host::solve::{self, Rung};
+use isolux_host::{bake, plan};
 use zerocopy::IntoBytes;
 
 const SAMPLES: usize = 50;
@@ -192,6 +195,58 @@ fn every_core_gives_the_hosts_bits() {
         [Some(measured.instructions); 2],
         "one program, one count"
     );
+}
+
+/// The scene of the paper, planned and baked as `isolux device` does it.
+#[test]
+fn the_paper_scene_gives_the_hosts_bits_on_every_core() {
+    let (_, source) = shipped::ALL
+        .iter()
+        .find(|(name, _)| *name == "paper.toml")
+        .expect("shipped");
+    let scene = file::parse("paper.toml", source).expect("a sound scene");
+    let once = Reference::new(&scene, Reflections::AtMost(1), &mut |_| {}).expect("a reference");
+    let field = |places: &[_]| once.irradiance_at(places);
+    let plan = plan::isolux(&scene, &scene.budget, &field).expect("a plan");
+    let tables = bake::bake(&scene, &plan).expect("tables");
+    for rung in [Rung::Best, Rung::Libm] {
+        let solution = solve::solve(&tables, rung, STOP).expect("a solution");
+        let mut expected: Vec<f32> = solution.irradiance().to_vec();
+        for (index, surface) in plan.surfaces.iter().enumerate() {
+            if !surface.samples.is_empty() {
+                let grid = solution.resample(index, RESOLUTION as u32).expect("a grid");
+                expected.extend(grid.values);
+            }
+        }
+        let expected: Vec<u32> = expected.into_iter().map(f32::to_bits).collect();
+        let job = Job {
+            scene: &scene.name,
+            tables: tables.bytes(),
+            samples: tables.samples,
+            emitters: tables.emitters,
+            arithmetic: rung.name(),
+            stop: STOP,
+            resolution: RESOLUTION,
+            expected: &expected,
+            budget: scene.budget,
+        };
+        let options = Options {
+            software_root: rung == Rung::Best,
+            ..Options::default()
+        };
+        let measured = match device::run(&job, &options) {
+            Ok(measured) => measured,
+            Err(error) => return skip(error).unwrap_or_default(),
+        };
+        println!("{measured:#?}");
+        assert!(measured.bits_equal, "{rung:?}");
+        assert_eq!(
+            measured.values,
+            tables.samples + 2 * RESOLUTION * RESOLUTION
+        );
+        assert!(measured.budget.kept, "{rung:?}");
+        assert!(measured.stack_bytes <= measured.stack_bound_bytes);
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 //! | line | holds |
 //! | --- | --- |
 //! | `step NAME instructions N stack N` | cost of one step; a name may recur, instructions then add |
-//! | `solved shots N unshot F` | how shooting ended |
+//! | `solved shots N form-factors N unshot F` | how shooting ended |
 //! | `values [..]` | bits of the next values, four bytes each, little-endian |
 //! | `end values N` | the last line: how many values there were |
 //! | `cross-check timer N systick N` | instructions of one span on two clocks |
@@ -29,6 +29,8 @@ pub(crate) struct Log {
     pub(crate) values: Vec<u32>,
     /// Shots taken.
     pub(crate) shots: u32,
+    /// Form factors evaluated while solving.
+    pub(crate) form_factors: u32,
     /// Unshot power as a fraction of the emitted power.
     pub(crate) unshot: f32,
     /// Errors the firmware reported.
@@ -91,8 +93,17 @@ impl Log {
                 step.instructions += instructions.parse::<u64>().map_err(|_| unread())?;
                 step.stack = step.stack.max(stack.parse().map_err(|_| unread())?);
             }
-            ["solved", "shots", shots, "unshot", unshot] => {
+            [
+                "solved",
+                "shots",
+                shots,
+                "form-factors",
+                form_factors,
+                "unshot",
+                unshot,
+            ] => {
                 self.shots = shots.parse().map_err(|_| unread())?;
+                self.form_factors = form_factors.parse().map_err(|_| unread())?;
                 self.unshot = unshot.parse().map_err(|_| unread())?;
             }
             ["end", "values", count] => self.ended = Some(count.parse().map_err(|_| unread())?),

@@ -25,6 +25,8 @@ pub struct Measured {
     pub instructions_software_root: Option<u64>,
     /// Shots taken.
     pub shots: u32,
+    /// Form factors evaluated for direct light and shots.
+    pub form_factors: u32,
     /// Power left unshot, as a fraction of the emitted power.
     pub unshot: f32,
     /// Deepest stack of the kernel's steps as painted, in bytes.

@@ -168,6 +168,7 @@ pub fn run(job: &Job<'_>, options: &Options) -> Result<Measured, Error> {
         instructions_by_step: steps,
         instructions_software_root,
         shots: log.shots,
+        form_factors: log.form_factors,
         unshot: log.unshot,
         stack_bytes: painted,
         stack_bound_bytes: inspected.stack,
@@ -241,4 +242,26 @@ fn emulate(core: Core, program: &Path, limit: Duration) -> Result<Log, Error> {
 /// The bytes of a linked program.
 fn read(program: &Path) -> Result<Vec<u8>, Error> {
     fs::read(program).map_err(Error::io(format!("reading {}", program.display())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DEVICE_FLASH, DEVICE_RAM};
+
+    #[test]
+    fn the_device_is_the_linkers() {
+        let memory = include_str!("../../../memory.x");
+        let length = |region: &str| {
+            let line = memory
+                .lines()
+                .find(|line| line.trim_start().starts_with(region));
+            let kibibytes = line?.rsplit("LENGTH = ").next()?.strip_suffix('K')?;
+            kibibytes
+                .parse::<u64>()
+                .ok()
+                .map(|kibibytes| 1024 * kibibytes)
+        };
+        assert_eq!(length("RAM"), Some(DEVICE_RAM));
+        assert_eq!(length("FLASH"), Some(DEVICE_FLASH));
+    }
 }

@@ -1,8 +1,10 @@
-//! Bytes of flash and RAM a linked program takes, from its sections.
+//! Bytes of flash and RAM a linked program takes, from its sections and symbols.
 
 use object::elf::{SHF_ALLOC, SHT_NOBITS};
 use object::read::elf::ElfFile32;
-use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind};
+use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind, SymbolKind};
+
+use std::collections::BTreeMap;
 
 use super::error::Error;
 
@@ -51,4 +53,17 @@ pub(crate) fn of(program: &[u8]) -> Result<Sizes, Error> {
         .map(|symbol| symbol.size())
         .ok_or_else(|| broken(format!("no symbol {TABLES}")))?;
     Ok(sizes)
+}
+
+/// Bytes of code of each function that states them, by address.
+pub(crate) fn functions(program: &[u8]) -> Result<BTreeMap<u64, u64>, Error> {
+    let elf: ElfFile32<'_> = ElfFile32::parse(program).map_err(|error| Error::Program {
+        what: error.to_string(),
+    })?;
+    Ok(elf
+        .symbols()
+        .filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0)
+        // Bit 0 of a function's address only says that it is Thumb code.
+        .map(|symbol| (symbol.address() & !1, symbol.size()))
+        .collect())
 }

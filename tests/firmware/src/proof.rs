@@ -178,6 +178,9 @@ mod entries {
         fn isolux_entry_light_resample_row(light: &BestLight<'static>, surface: usize, grid: [u32; 2], row: u32, out: &mut [f32]) -> Result<Row, Error> {
             light.resample_row::<Chosen>(surface, grid, row, out)
         }
+        fn isolux_entry_light_resample_at(light: &BestLight<'static>, surface: usize, place: [f32; 2]) -> Result<Option<Filtered>, Error> {
+            light.resample_at::<Chosen>(surface, place)
+        }
         fn isolux_entry_cone(places: &[[f32; 2]], values: &[f32], place: [f32; 2], radius: f32) -> Option<Filtered> {
             resample::cone::<Chosen>(places, values, place, radius)
         }

@@ -127,8 +127,9 @@ fn run() -> Result<(), Failure> {
     let (solved, cost) = meter.measure(|| isolux_step_solve(light, job::STOP));
     log("solve", cost);
     defmt::info!(
-        "solved shots {=u32} unshot {=f32}",
+        "solved shots {=u32} form-factors {=u32} unshot {=f32}",
         solved.shots,
+        solved.form_factors,
         solved.unshot
     );
 

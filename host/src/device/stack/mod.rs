@@ -6,11 +6,16 @@
 //! line, whatever path is taken: an upper bound. What would make it a guess is
 //! refused: an indirect call, recursion, a stack pointer set from a register.
 
+mod instruction;
+
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
 use std::path::Path;
 use std::process::Command;
 
 use super::error::Error;
+use super::size;
+use instruction::{Effect, effect};
 
 /// The bound of one function.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -58,7 +63,9 @@ pub fn bounds(disassembler: &Path, program: &Path, prefix: &str) -> Result<Bound
             what: String::from_utf8_lossy(&output.stderr).trim().to_owned(),
         });
     }
-    Program::read(&String::from_utf8_lossy(&output.stdout))?.bounds(prefix)
+    let bytes = fs::read(program).map_err(Error::io(format!("reading {}", program.display())))?;
+    let sizes = size::functions(&bytes)?;
+    Program::read(&String::from_utf8_lossy(&output.stdout), &sizes)?.bounds(prefix)
 }
 
 /// A function as disassembled.
@@ -78,26 +85,13 @@ struct Program {
     functions: BTreeMap<u64, Function>,
 }
 
-/// What one instruction means for the stack.
-#[derive(Debug, PartialEq, Eq)]
-enum Effect {
-    None,
-    /// Takes so many bytes.
-    Takes(u64),
-    /// A call that comes back.
-    Calls(u64),
-    /// A jump, within the function or for good.
-    Jumps(u64),
-    Hazard(&'static str),
-}
-
-const INDIRECT: &str = "it jumps or calls through a register";
-const MOVED: &str = "it moves the stack pointer by an amount that is not in the code";
 const RECURSIVE: &str = "it is recursive";
 
 impl Program {
-    /// Reads llvm-objdump's output.
-    fn read(disassembly: &str) -> Result<Self, Error> {
+    /// Reads llvm-objdump's output. `sizes` are the bytes of functions by
+    /// address: behind the end of one the linker pads with what would
+    /// disassemble to a jump.
+    fn read(disassembly: &str, sizes: &BTreeMap<u64, u64>) -> Result<Self, Error> {
         let mut program = Self::default();
         // Jumps are told from tail calls once every function's end is known.
         let mut jumps: Vec<(u64, u64)> = Vec::new();
@@ -114,8 +108,12 @@ impl Program {
             let Some(function) = program.functions.get_mut(&start) else {
                 continue;
             };
-            // To within the last instruction's second half.
-            function.size = address + 2 - start;
+            match sizes.get(&start) {
+                Some(&size) if address >= start + size => continue,
+                Some(&size) => function.size = size,
+                // Assembly need not state a size.
+                None => function.size = address + 2 - start,
+            }
             match effect(instruction) {
                 Effect::None => {}
                 Effect::Takes(bytes) => function.frame += bytes,
@@ -244,113 +242,16 @@ fn header(line: &str) -> Option<(u64, &str)> {
     Some((u64::from_str_radix(address, 16).ok()?, name))
 }
 
-/// `     9bc:       push {r4, lr}`: the address and the rest.
+/// `     9bc:       push {r4, lr}   @ comment`: the address and the instruction.
 fn instruction(line: &str) -> Option<(u64, &str)> {
     let (address, rest) = line.trim_start().split_once(':')?;
+    let rest = rest.split(" @ ").next().unwrap_or(rest);
     Some((u64::from_str_radix(address, 16).ok()?, rest.trim()))
-}
-
-/// What an instruction means for the stack.
-fn effect(instruction: &str) -> Effect {
-    let (name, operands) = instruction
-        .split_once(char::is_whitespace)
-        .unwrap_or((instruction, ""));
-    let operands = operands.trim();
-    let stem = name.trim_end_matches(".w").trim_end_matches(".n");
-    let first = operands.split(',').next().unwrap_or("").trim();
-    match stem {
-        "push" | "vpush" => Effect::Takes(registers(operands)),
-        "bl" => target(operands).map_or(Effect::Hazard(INDIRECT), Effect::Calls),
-        "blx" => Effect::Hazard(INDIRECT),
-        "bx" if first != "lr" => Effect::Hazard(INDIRECT),
-        "stmdb" | "vstmdb" if first == "sp!" => Effect::Takes(registers(operands)),
-        "ldr" if first == "pc" && !operands.contains("[sp]") => Effect::Hazard(INDIRECT),
-        "mov" | "add" if first == "pc" => Effect::Hazard(INDIRECT),
-        "sub" | "subw" | "add" | "addw" | "mov" if first == "sp" => {
-            match (stem.starts_with("sub"), immediate(operands)) {
-                (true, Some(bytes)) => Effect::Takes(bytes),
-                (false, Some(_)) if stem.starts_with("add") => Effect::None,
-                _ => Effect::Hazard(MOVED),
-            }
-        }
-        _ if operands.contains("[sp, #-") => before(operands),
-        _ if is_branch(stem) => target(operands).map_or(Effect::Hazard(INDIRECT), Effect::Jumps),
-        // Anything else that writes the stack pointer.
-        _ if first == "sp" && !stem.starts_with("cmp") && !stem.starts_with("cmn") => {
-            Effect::Hazard(MOVED)
-        }
-        _ => Effect::None,
-    }
-}
-
-/// `b`, its conditional forms, and the branches that compare with 0.
-fn is_branch(stem: &str) -> bool {
-    const CONDITIONS: [&str; 15] = [
-        "", "eq", "ne", "hs", "lo", "mi", "pl", "vs", "vc", "hi", "ls", "ge", "lt", "gt", "le",
-    ];
-    matches!(stem, "cbz" | "cbnz")
-        || stem
-            .strip_prefix('b')
-            .is_some_and(|condition| CONDITIONS.contains(&condition))
-}
-
-/// The address a branch names, `0x9bc <name+0x10>`; the last operand.
-fn target(operands: &str) -> Option<u64> {
-    let before_name = operands.split('<').next().unwrap_or(operands);
-    let address = before_name.split(',').next_back()?.trim();
-    let address = address.trim_start_matches('#');
-    u64::from_str_radix(address.strip_prefix("0x")?, 16).ok()
-}
-
-/// The last operand, if it is a number: `sp, sp, #0x40`.
-fn immediate(operands: &str) -> Option<u64> {
-    number(operands.split(',').next_back()?.trim().strip_prefix('#')?)
-}
-
-/// `[sp, #-0x10]!`: taken before the store; no `!`, nothing taken.
-fn before(operands: &str) -> Effect {
-    let Some((_, rest)) = operands.split_once("[sp, #-") else {
-        return Effect::None;
-    };
-    match rest.split_once("]!") {
-        Some((bytes, _)) => number(bytes).map_or(Effect::Hazard(MOVED), Effect::Takes),
-        None => Effect::None,
-    }
-}
-
-fn number(text: &str) -> Option<u64> {
-    match text.strip_prefix("0x") {
-        Some(digits) => u64::from_str_radix(digits, 16).ok(),
-        None => text.parse().ok(),
-    }
-}
-
-/// Bytes of a register list, `{r4, r5, lr}` or `{d8-d11}`.
-fn registers(operands: &str) -> u64 {
-    let list = operands
-        .split_once('{')
-        .and_then(|(_, rest)| rest.split_once('}'))
-        .map_or("", |(list, _)| list);
-    let index = |name: &str| name.get(1..).and_then(|digits| digits.parse::<u64>().ok());
-    list.split(',')
-        .map(str::trim)
-        .filter(|name| !name.is_empty())
-        .map(|name| {
-            let width = if name.starts_with('d') { 8 } else { 4 };
-            let count = match name.split_once('-') {
-                Some((from, to)) => match (index(from.trim()), index(to.trim())) {
-                    (Some(from), Some(to)) => to.saturating_sub(from) + 1,
-                    _ => 16,
-                },
-                None => 1,
-            };
-            width * count
-        })
-        .sum()
 }
 
 #[cfg(test)]
 mod tests {
+    use super::instruction::{INDIRECT, MOVED};
     use super::*;
 
     /// As llvm-objdump writes it.
@@ -362,7 +263,7 @@ Disassembly of section .text:
      402:      \tvpush\t{d8, d9}
      406:      \tsub\tsp, #0x28
      408:      \tcbz\tr0, 0x40e <entry_a+0xe>
-     40a:      \tbl\t0x420 <core::leaf<f32>>
+     40a:      \tblne\t0x420 <core::leaf<f32>>  @ imm = #0x12
      40e:      \tadd\tsp, #0x28
      410:      \tvpop\t{d8, d9}
      414:      \tpop\t{r4, r5, r7, pc}
@@ -376,6 +277,7 @@ Disassembly of section .text:
 00000440 <tail>:
      440:      \tpush.w\t{r8, r9, r10, r11}
      444:      \tbx\tlr
+     446:      \tbmi\t0x404 <entry_a+0x4>
 
 00000450 <entry_loop>:
      450:      \tbl\t0x460 <back>
@@ -390,9 +292,14 @@ Disassembly of section .text:
      480:      \tsub.w\tsp, sp, r1
 ";
 
+    /// The jump behind `tail` is padding.
+    fn sizes() -> BTreeMap<u64, u64> {
+        BTreeMap::from([(0x440, 6)])
+    }
+
     #[test]
     fn frames_add_up_along_the_deepest_path() {
-        let program = Program::read(PROGRAM).expect("functions");
+        let program = Program::read(PROGRAM, &sizes()).expect("functions");
         let bounds = program.bounds("entry_a").err();
         assert!(bounds.is_some(), "entry_alloca begins with entry_a as well");
         let bounds = program.bounds("entry_a>").err();
@@ -406,7 +313,7 @@ Disassembly of section .text:
 
     #[test]
     fn what_has_no_bound_is_refused() {
-        let program = Program::read(PROGRAM).expect("functions");
+        let program = Program::read(PROGRAM, &sizes()).expect("functions");
         for (name, reason) in [
             ("entry_loop", RECURSIVE),
             ("entry_pointer", INDIRECT),
@@ -417,13 +324,5 @@ Disassembly of section .text:
                 other => panic!("{name}: {other:?}"),
             }
         }
-    }
-
-    #[test]
-    fn register_lists_have_a_size() {
-        assert_eq!(registers("{r4, r5, lr}"), 12);
-        assert_eq!(registers("{d8-d11}"), 32);
-        assert_eq!(registers("sp!, {r4-r11, lr}"), 36);
-        assert_eq!(registers("{s16, s17}"), 8);
     }
 }
