@@ -165,8 +165,8 @@ fn the_paper_camera_sees_both_fronts() {
                 .filter(|hit| hit.surface == index && hit.front);
             seen.count() as f64 / hits.len() as f64
         };
-        assert!(share("A") > 0.2, "{name}: {}", share("A"));
-        assert!(share("B") > 0.1, "{name}: {}", share("B"));
+        assert!(share("A") > 0.08, "{name}: {}", share("A"));
+        assert!(share("B") > 0.05, "{name}: {}", share("B"));
         assert!(share("LS") > 0.05, "{name}: {}", share("LS"));
         for (index, hit) in hits.iter().enumerate() {
             let Some(hit) = hit else { continue };

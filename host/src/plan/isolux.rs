@@ -1,26 +1,15 @@
 //! Isolux outlines of a surface, and the samples and emitters they give.
 
-use super::outline::{self, signed_area};
+use super::map::{CELLS, Map, cell_center};
 use super::pool::{Pool, Step};
-use super::share::Demand;
 use super::spacing::filter_radius;
-use super::{Band, Field, Sample, SurfacePlan};
-use crate::scene::Surface;
-use crate::scene::frame::Frame;
-use contour::ContourBuilder;
+use super::{Band, Sample, SurfacePlan};
 use glam::DVec3;
-use i_overlay::core::fill_rule::FillRule;
-use i_overlay::core::overlay_rule::OverlayRule;
-use i_overlay::float::single::SingleFloatOverlay;
 use isolux::form_factor::{Best, Outline, of_loops};
 use isolux::geometry::{Plane, Receiver, Vector};
 use isolux::number::SoftRoot;
+use isolux::resample::cone;
 use std::f64::consts::PI;
-
-/// Cells along each side of the grid the field is looked at on; one more on
-/// each side lies beyond the bounding rectangle, so that outlines reach the
-/// edge with the field's own slope.
-const CELLS: usize = 96;
 
 /// Emitters on the brightest surfaces: the paper's number.
 const MOST_BANDS: usize = 4;
@@ -36,212 +25,46 @@ const FAINT: f64 = 0.05;
 /// that is emitted.
 const WELL: f64 = 0.005;
 
+/// Every so many cells are looked at for what the cone filter errs by.
+const BLUR_STEP: usize = 5;
+
 /// Largest shift of the levels, in steps between them.
 const LARGEST_SHIFT: f64 = 0.75;
 
 /// Shifts that are tried on either side of none.
 const SHIFTS: i32 = 15;
 
-/// Levels start at this fraction of the largest irradiance at the lowest:
-/// below it nothing is worth an emitter of its own.
-const DARKEST: f64 = 1e-3;
-
-/// A field whose largest and smallest values are this close has one level.
-const FLAT: f64 = 1.001;
-
-/// Loops that enclose less than this fraction of the surface are left out.
-const SPECK: f64 = 1e-3;
-
 /// Places closer together than this part of the surface's width are one.
 const WELD: f64 = 1e-6;
 
-/// Points on each edge of the polygon that may become vertices.
-const POINTS_PER_EDGE: usize = 60;
-
-/// The irradiance of a surface on a grid.
-pub(super) struct Map {
-    frame: Frame,
-    area: f64,
-    /// (CELLS + 2)² values, row by row.
-    values: Vec<f64>,
-    lowest: f64,
-    highest: f64,
-    peak: [f64; 2],
-    power: f64,
-}
+/// No sample is added closer to another one than this part of the spacing that
+/// evenly spread samples would have.
+const APART: f64 = 0.35;
 
 impl Map {
-    pub(super) fn new(surface: &Surface, field: &Field<'_>) -> Self {
-        let frame = Frame::new(surface);
-        let cells = (CELLS + 2) * (CELLS + 2);
-        let places: Vec<[f64; 2]> = (0..cells).map(|k| cell_center(&frame, k)).collect();
-        let asked: Vec<_> = places
-            .iter()
-            .map(|&[u, v]| (frame.to_world(u, v), surface.normal))
-            .collect();
-        let values = field(&asked);
-        let inside: Vec<usize> = (0..values.len())
-            .filter(|&k| frame.contains(places[k][0], places[k][1]))
-            .collect();
-        let brightest = inside
-            .iter()
-            .copied()
-            .max_by(|&a, &b| values[a].total_cmp(&values[b]));
-        let lowest = inside
-            .iter()
-            .map(|&k| values[k])
-            .fold(f64::INFINITY, f64::min);
-        let mean = inside.iter().map(|&k| values[k]).sum::<f64>() / inside.len().max(1) as f64;
-        Self {
-            area: surface.area,
-            lowest: if lowest.is_finite() { lowest } else { 0.0 },
-            highest: brightest.map_or(0.0, |k| values[k]),
-            peak: brightest.map_or([0.0; 2], |k| places[k]),
-            power: mean * surface.area,
-            frame,
-            values,
-        }
-    }
-
-    /// Power received, W (lm).
-    pub(super) fn power(&self) -> f64 {
-        self.power
-    }
-
-    pub(super) fn demand(&self) -> Demand {
-        Demand {
-            power: self.power,
-            least: self.frame.vertices.len() + 1,
-        }
-    }
-
-    /// Log-spaced levels between the darkest and the brightest place, all moved
-    /// by `shift` of their common distance.
-    fn levels(&self, bands: usize, shift: f64) -> Vec<f64> {
-        let lowest = self.lowest.max(DARKEST * self.highest);
-        if self.highest <= lowest * FLAT {
-            return Vec::new();
-        }
-        let ratio = self.highest / lowest;
-        (1..bands)
-            .map(|k| lowest * ratio.powf((k as f64 + shift) / bands as f64))
-            .collect()
-    }
-
-    /// The surface's part at or above a level: shapes of an outer loop and
-    /// holes, as dense curves.
-    fn region(&self, level: f64) -> Vec<Vec<Vec<[f64; 2]>>> {
-        let side = CELLS + 2;
-        let (step_u, step_v) = (
-            self.frame.size_u / CELLS as f64,
-            self.frame.size_v / CELLS as f64,
-        );
-        let builder = ContourBuilder::new(side, side, true)
-            .x_origin(-step_u)
-            .y_origin(-step_v)
-            .x_step(step_u)
-            .y_step(step_v);
-        let Ok(contours) = builder.contours(&self.values, &[level]) else {
-            return Vec::new();
-        };
-        let rings: Vec<Vec<[f64; 2]>> = contours
-            .iter()
-            .flat_map(|contour| contour.geometry().iter())
-            .flat_map(|polygon| std::iter::once(polygon.exterior()).chain(polygon.interiors()))
-            .map(|ring| ring.coords().skip(1).map(|c| [c.x, c.y]).collect())
-            .collect();
-        rings.overlay(&self.corners(), OverlayRule::Intersect, FillRule::EvenOdd)
-    }
-
-    /// Loops of the surface's part at or above a level, ready to be thinned.
-    fn outlines(&self, level: f64) -> Vec<outline::Outline> {
-        let oriented = |mut points: Vec<[f64; 2]>, hole: bool| {
-            if (signed_area(&points) < 0.0) != hole {
-                points.reverse();
-            }
-            points
-        };
-        self.region(level)
-            .into_iter()
-            .flat_map(|shape| {
-                shape
-                    .into_iter()
-                    .enumerate()
-                    .map(move |(k, points)| oriented(points, k > 0))
-            })
-            .filter(|points| signed_area(points).abs() > SPECK * self.area)
-            .map(|points| outline::Outline::new(points, |place| self.value(place)))
-            .collect()
-    }
-
-    /// The surface's own outline, every edge offering places in between.
-    fn edge(&self) -> outline::Outline {
-        let corners = self.corners();
-        let points = corners.iter().enumerate().flat_map(|(k, &a)| {
-            let b = corners[(k + 1) % corners.len()];
-            (0..POINTS_PER_EDGE).map(move |step| {
-                let t = step as f64 / POINTS_PER_EDGE as f64;
-                [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]
-            })
-        });
-        let chosen = (0..corners.len()).map(|k| k * POINTS_PER_EDGE).collect();
-        outline::Outline::with_corners(points.collect(), chosen, |place| self.value(place))
-    }
-
-    /// Whether the brightest place lies well inside of the surface's outline.
-    fn peaks_inside(&self) -> bool {
-        let [u, v] = self.peak;
-        let reach = |size: f64| 2.0 * size / CELLS as f64;
-        let (du, dv) = (reach(self.frame.size_u), reach(self.frame.size_v));
-        let around = [[u + du, v], [u - du, v], [u, v + dv], [u, v - dv]];
-        around.iter().all(|&[u, v]| self.frame.contains(u, v))
-    }
-
-    /// The polygon in the frame's coordinates.
-    fn corners(&self) -> Vec<[f64; 2]> {
-        self.frame.vertices.iter().map(|&(u, v)| [u, v]).collect()
-    }
-
-    /// Irradiance at a place, bilinear between the grid's values.
-    fn value(&self, [u, v]: [f64; 2]) -> f64 {
-        let side = CELLS + 2;
-        let cell = |x: f64, size: f64| {
-            let at = (x / size * CELLS as f64 + 0.5).clamp(0.0, side as f64 - 1.001);
-            (at as usize, at.fract())
-        };
-        let ((column, s), (row, t)) = (cell(u, self.frame.size_u), cell(v, self.frame.size_v));
-        let along = |row: usize| {
-            let at = row * side + column;
-            self.values[at] * (1.0 - s) + self.values[at + 1] * s
-        };
-        along(row) * (1.0 - t) + along(row + 1) * t
-    }
-
     /// Places samples and makes emitters of them.
     ///
-    /// A polygon inscribed in an outline encloses less than the outline, and the
-    /// mean of two levels is not the mean between them: where the levels lie
-    /// decides which of the two errors wins. So the log-spaced levels are moved
-    /// as a whole, by the least part of their distance with which the emitters
-    /// light the `probes` well enough ([`WELL`]), or else as well as can be.
-    /// `weight` is the power the surface reflects as a part of all that is
-    /// emitted.
+    /// The log-spaced levels are moved as a whole by up to [`LARGEST_SHIFT`] of
+    /// their distance. A polygon inscribed in an outline encloses less than the
+    /// outline, and the mean of two levels is not the mean between them: where
+    /// the levels lie decides which of the two errors wins. Of the shifts with
+    /// which the emitters light the `probes` well ([`WELL`]) the one is taken
+    /// whose samples the cone filter spreads best; where there is none, the one
+    /// that lights them best. `weight` is the power the surface reflects as a
+    /// part of all that is emitted.
     pub(super) fn place(self, samples: usize, probes: &[Probe], weight: f64) -> SurfacePlan {
         let lit = self.light(probes);
-        let mut shifts: Vec<i32> = (-SHIFTS..=SHIFTS).collect();
-        shifts.sort_by_key(|shift| shift.abs());
-        let mut best: Option<Placed> = None;
-        for shift in shifts {
-            let shift = f64::from(shift) / f64::from(SHIFTS) * LARGEST_SHIFT;
-            let placed = self.place_at(samples, shift, &lit);
-            let well = placed.loss * weight <= WELL;
-            if best.as_ref().is_none_or(|best| placed.loss < best.loss) {
-                best = Some(placed);
-            }
-            if well {
-                break;
-            }
-        }
+        let shifts = (-SHIFTS..=SHIFTS).map(|k| f64::from(k) / f64::from(SHIFTS) * LARGEST_SHIFT);
+        let order = |placed: &Placed| {
+            let loss = (placed.loss * weight - WELL).max(0.0);
+            (loss, placed.blur)
+        };
+        let best = shifts
+            .map(|shift| self.place_at(samples, shift, &lit))
+            .min_by(|a, b| {
+                let ((loss_a, blur_a), (loss_b, blur_b)) = (order(a), order(b));
+                loss_a.total_cmp(&loss_b).then(blur_a.total_cmp(&blur_b))
+            });
         let (samples, bands) = best
             .map(|placed| (placed.samples, placed.bands))
             .unwrap_or_default();
@@ -271,8 +94,11 @@ impl Map {
                 steps.push(Step { level, loops });
             }
         }
-        let weld = WELD * self.area.sqrt();
-        let pool = Pool::fill(&mut steps, samples, peak, weld);
+        let near = [
+            WELD * self.area.sqrt(),
+            APART * (self.area / samples as f64).sqrt(),
+        ];
+        let pool = Pool::fill(&mut steps, samples, peak, near);
         let bands = pool.bands(&steps, |place| self.value(place));
         let samples = pool.into_samples();
         let values: Vec<f64> = samples
@@ -286,12 +112,39 @@ impl Map {
                 sum / band.members.len().max(1) as f64
             })
             .collect();
-        let loss = self.loss(&samples, &bands, &radiosities, lit);
         Placed {
+            loss: self.loss(&samples, &bands, &radiosities, lit),
+            blur: self.blur(&samples, &values),
             samples,
             bands,
-            loss,
         }
+    }
+
+    /// What the cone filter makes of these samples: the root mean square of its
+    /// error, relative to the irradiance with the mean one added, so that dark
+    /// places count as far as they can be seen.
+    fn blur(&self, samples: &[Sample], values: &[f64]) -> f64 {
+        let places: Vec<[f32; 2]> = samples
+            .iter()
+            .map(|sample| sample.place.map(|x| x as f32))
+            .collect();
+        let values: Vec<f32> = values.iter().map(|&value| value as f32).collect();
+        let radius = filter_radius(self.area, samples.len()) as f32;
+        let mean = self.power / self.area;
+        let (mut sum, mut count) = (0.0, 0);
+        for (k, &exact) in self.values.iter().enumerate().step_by(BLUR_STEP) {
+            let [u, v] = cell_center(&self.frame, k);
+            if !self.frame.contains(u, v) || exact + mean <= 0.0 {
+                continue;
+            }
+            let filtered = cone::<SoftRoot>(&places, &values, [u as f32, v as f32], radius);
+            if let Some(filtered) = filtered {
+                let error = (f64::from(filtered.value) - exact) / (exact + mean);
+                sum += error * error;
+                count += 1;
+            }
+        }
+        (sum / f64::from(count.max(1))).sqrt()
     }
 }
 
@@ -380,21 +233,12 @@ impl Map {
     }
 }
 
-/// The centre of a cell of the grid, which begins one cell outside of the
-/// bounding rectangle.
-fn cell_center(frame: &Frame, index: usize) -> [f64; 2] {
-    let side = CELLS + 2;
-    let center = |index: usize, size: f64| (index as f64 - 0.5) / CELLS as f64 * size;
-    [
-        center(index % side, frame.size_u),
-        center(index / side, frame.size_v),
-    ]
-}
-
 /// One way to place a surface's samples.
 struct Placed {
     samples: Vec<Sample>,
     bands: Vec<Band>,
-    /// What it errs by, to be compared with other ways.
+    /// What its emitters err by.
     loss: f64,
+    /// What its samples err by when they are spread.
+    blur: f64,
 }

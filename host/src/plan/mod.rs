@@ -6,6 +6,7 @@
 //! the samples. A planned scene is data: [`crate::bake`] turns it into tables.
 
 mod isolux;
+mod map;
 mod outline;
 mod pool;
 mod share;
@@ -46,7 +47,7 @@ pub struct Sample {
 }
 
 /// Why a sample is where it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Tag {
     /// On the surface's own outline, a vertex of the darkest emitter.
     Edge,
@@ -137,10 +138,10 @@ pub type Field<'a> = dyn Fn(&[(DVec3, DVec3)]) -> Vec<f64> + 'a;
 /// # Errors
 /// [`Unplannable`] where the budget is too small, or too large for the tables.
 pub fn isolux(scene: &Scene, budget: &Budget, field: &Field<'_>) -> Result<Plan, Unplannable> {
-    let maps: Vec<Option<isolux::Map>> = scene
+    let maps: Vec<Option<map::Map>> = scene
         .surfaces
         .iter()
-        .map(|surface| (surface.reflectance[0] > 0.0).then(|| isolux::Map::new(surface, field)))
+        .map(|surface| (surface.reflectance[0] > 0.0).then(|| map::Map::new(surface, field)))
         .collect();
     let reflecting = maps.iter().flatten().count() as u64;
     let budget = budget.samples.unwrap_or(DEFAULT_SAMPLES * reflecting);
@@ -152,7 +153,7 @@ pub fn isolux(scene: &Scene, budget: &Budget, field: &Field<'_>) -> Result<Plan,
     }
     let demands: Vec<Option<share::Demand>> = maps
         .iter()
-        .map(|map| map.as_ref().map(isolux::Map::demand))
+        .map(|map| map.as_ref().map(map::Map::demand))
         .collect();
     let shares = share::samples(&demands, budget)?;
     let emitted: f64 = scene
@@ -167,7 +168,7 @@ pub fn isolux(scene: &Scene, budget: &Budget, field: &Field<'_>) -> Result<Plan,
         .zip(shares)
         .map(|((surface, map), samples)| match map {
             Some(map) => {
-                let weight = surface.reflectance[0] * map.power() / emitted;
+                let weight = surface.reflectance[0] * map.power / emitted;
                 map.place(samples, &probes(scene, surface), weight)
             }
             None => SurfacePlan {
@@ -181,12 +182,12 @@ pub fn isolux(scene: &Scene, budget: &Budget, field: &Field<'_>) -> Result<Plan,
     Ok(Plan { surfaces })
 }
 
-/// Places on every other surface, [`PROBES`] × [`PROBES`] each.
+/// Places on every other surface that reflects, [`PROBES`] × [`PROBES`] each.
 fn probes(scene: &Scene, surface: &Surface) -> Vec<(DVec3, DVec3)> {
     let others = scene
         .surfaces
         .iter()
-        .filter(|other| !std::ptr::eq(*other, surface));
+        .filter(|other| !std::ptr::eq(*other, surface) && other.reflectance[0] > 0.0);
     others
         .flat_map(|other| {
             let frame = Frame::new(other);

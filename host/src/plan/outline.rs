@@ -26,7 +26,7 @@ impl Outline {
         let second = outline.farthest(|p| (p[0] - u).hypot(p[1] - v));
         outline.chosen = vec![first, second];
         outline.chosen.sort_unstable();
-        outline.refine();
+        outline.refine(|_| true);
         outline
     }
 
@@ -83,12 +83,14 @@ impl Outline {
     /// Chooses one more: the point farthest from the chord that passes it by;
     /// where all chords follow the curve, the point whose irradiance is farthest
     /// from what lies between its neighbours'; where that is nothing either,
-    /// the middle of the longest chord. Returns whether there was one left.
-    pub(super) fn refine(&mut self) -> bool {
+    /// the middle of the longest chord. Only places that are `free` come into
+    /// question. Returns whether there was one left.
+    pub(super) fn refine(&mut self, free: impl Fn([f64; 2]) -> bool) -> bool {
+        let free: Vec<bool> = self.points.iter().map(|&point| free(point)).collect();
         let index = self
-            .most_deviating()
-            .or_else(|| self.most_curved())
-            .or_else(|| self.middle_of_longest());
+            .most_deviating(&free)
+            .or_else(|| self.most_curved(&free))
+            .or_else(|| self.middle_of_longest(&free));
         let Some(index) = index else { return false };
         let at = self.chosen.partition_point(|&chosen| chosen < index);
         self.chosen.insert(at, index);
@@ -109,12 +111,12 @@ impl Outline {
         })
     }
 
-    fn most_deviating(&self) -> Option<usize> {
+    fn most_deviating(&self, free: &[bool]) -> Option<usize> {
         let count = self.points.len();
         let mut best = (STRAIGHT * self.total, None);
         for (from, to) in self.chords() {
             let (a, b) = (self.points[from], self.points[to % count]);
-            for index in from + 1..to {
+            for index in (from + 1..to).filter(|index| free[index % count]) {
                 let deviation = distance_to_segment(self.points[index % count], a, b);
                 if deviation > best.0 {
                     best = (deviation, Some(index % count));
@@ -124,13 +126,13 @@ impl Outline {
         best.1
     }
 
-    fn most_curved(&self) -> Option<usize> {
+    fn most_curved(&self, free: &[bool]) -> Option<usize> {
         let count = self.points.len();
         let largest = self.values.iter().copied().fold(0.0, f64::max);
         let mut best = (STRAIGHT * largest, None);
         for (from, to) in self.chords() {
             let length = self.along(to) - self.along(from);
-            for index in from + 1..to {
+            for index in (from + 1..to).filter(|index| free[index % count]) {
                 let t = (self.along(index) - self.along(from)) / length;
                 let between = self.values[from] * (1.0 - t) + self.values[to % count] * t;
                 let deviation = (self.values[index % count] - between).abs();
@@ -161,7 +163,7 @@ impl Outline {
         Some(self.points[index])
     }
 
-    fn middle_of_longest(&self) -> Option<usize> {
+    fn middle_of_longest(&self, free: &[bool]) -> Option<usize> {
         let count = self.points.len();
         let mut best = (0.0, None);
         for (from, to) in self.chords().filter(|(from, to)| to - from > 1) {
@@ -170,12 +172,15 @@ impl Outline {
             // choice independent of rounding.
             if length > best.0 * (1.0 + 1e-9) {
                 let middle = (self.along(from) + self.along(to)) / 2.0;
-                let nearest = (from + 1..to).min_by(|&i, &j| {
+                let between = (from + 1..to).filter(|index| free[index % count]);
+                let nearest = between.min_by(|&i, &j| {
                     (self.along(i) - middle)
                         .abs()
                         .total_cmp(&(self.along(j) - middle).abs())
                 });
-                best = (length, nearest.map(|index| index % count));
+                if let Some(index) = nearest {
+                    best = (length, Some(index % count));
+                }
             }
         }
         best.1

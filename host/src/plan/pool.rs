@@ -26,23 +26,30 @@ pub(super) struct Pool {
 impl Pool {
     /// Refines the outlines in turn, the one with the fewest vertices first,
     /// until their vertices and the peak are `budget` distinct places; drops
-    /// the brightest outlines if even the coarsest are too many.
+    /// the brightest outlines if even the coarsest are too many. Places within
+    /// `weld` metres are one; no new place is added within `apart` of another.
     pub(super) fn fill(
         steps: &mut Vec<Step>,
         budget: usize,
         peak: Option<[f64; 2]>,
-        weld: f64,
+        [weld, apart]: [f64; 2],
     ) -> Self {
         while Self::collect(steps, peak, weld).samples.len() > budget && steps.len() > 1 {
             steps.pop();
         }
-        while let Some((k, l)) = coarsest(steps) {
-            let before = steps[k].loops[l].clone();
-            if !steps[k].loops[l].refine() {
+        loop {
+            let taken = Self::collect(steps, peak, weld);
+            let before: Vec<Vec<Outline>> = steps.iter().map(|step| step.loops.clone()).collect();
+            let mut turns = turns(steps).into_iter();
+            let free = |place| taken.leaves_free(place, apart);
+            let refined = turns.any(|(k, l)| steps[k].loops[l].refine(free));
+            if !refined {
                 break;
             }
             if Self::collect(steps, peak, weld).samples.len() > budget {
-                steps[k].loops[l] = before;
+                for (step, loops) in steps.iter_mut().zip(before) {
+                    step.loops = loops;
+                }
                 break;
             }
         }
@@ -66,6 +73,13 @@ impl Pool {
             pool.samples[peak].tag = Tag::Peak;
         }
         pool
+    }
+
+    /// Whether a place is a sample already, or far enough from all of them.
+    fn leaves_free(&self, place: [f64; 2], apart: f64) -> bool {
+        let [u, v] = place;
+        let far = |sample: &Sample| (sample.place[0] - u).hypot(sample.place[1] - v) > apart;
+        self.samples.iter().all(far) || self.find(place).is_some()
     }
 
     fn find(&self, place: [f64; 2]) -> Option<usize> {
@@ -137,11 +151,13 @@ impl Pool {
     }
 }
 
-/// The loop with the fewest vertices, by step and place in it.
-fn coarsest(steps: &[Step]) -> Option<(usize, usize)> {
+/// All loops by step and place in it, those with the fewest vertices first.
+fn turns(steps: &[Step]) -> Vec<(usize, usize)> {
     let positions = steps.iter().enumerate().flat_map(|(k, step)| {
         let loops = step.loops.iter().enumerate();
         loops.map(move |(l, outline)| (outline.len(), k, l))
     });
-    positions.min().map(|(_, k, l)| (k, l))
+    let mut sorted: Vec<_> = positions.collect();
+    sorted.sort_unstable();
+    sorted.into_iter().map(|(_, k, l)| (k, l)).collect()
 }

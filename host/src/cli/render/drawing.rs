@@ -204,7 +204,11 @@ fn sample_plan(judged: &Judged<'_>, compared: &Compared, beneath: SurfaceField) 
                 .collect(),
             radiosity: f64::from(judged.solution.radiosity(first + k)),
         });
-    let samples = planned.samples.iter().map(|sample| SampleMark {
+    // In the order of the tags, so that each tag has the same mark on every
+    // surface.
+    let mut ordered = planned.samples.clone();
+    ordered.sort_by_key(|sample| sample.tag);
+    let samples = ordered.iter().map(|sample| SampleMark {
         position: sample.place,
         tag: sample.tag.name().to_owned(),
     });
