@@ -9,7 +9,7 @@
 //! ```
 //!
 //! Rooms, ground floor first; each imports only those above it in this list:
-//! [`scene`], [`reference`], [`baseline`], [`plan`], [`bake`], [`solve`],
+//! [`scene`], [`mod@reference`], [`baseline`], [`plan`], [`bake`], [`solve`],
 //! [`compare`], [`report`], [`picture`], [`device`], [`cli`]. The kernel is a
 //! library to all of them but the reference, which shares no formula with what
 //! it judges.

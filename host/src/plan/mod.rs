@@ -133,7 +133,7 @@ pub type Field<'a> = dyn Fn(&[(DVec3, DVec3)]) -> Vec<f64> + 'a;
 ///
 /// `field` gives the irradiance after the reflections that are to be planned
 /// for. The samples of [`Budget::samples`] are divided among the reflecting
-/// surfaces by [`share`]; surfaces that reflect nothing get none.
+/// surfaces by the power they receive; surfaces that reflect nothing get none.
 ///
 /// # Errors
 /// [`Unplannable`] where the budget is too small, or too large for the tables.
