@@ -34,5 +34,5 @@ fn shots(scene: &Scene<'_>, counts: impl Fn(&crate::scene::records::Emitter) -> 
                 .map_or(0, |s| u64::from(s.samples));
             all.saturating_sub(own)
         })
-        .sum()
+        .fold(0, u64::saturating_add)
 }

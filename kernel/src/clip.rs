@@ -198,7 +198,7 @@ pub fn polygon<N: Number, const CAPACITY: usize>(
         0 => Ok(()),
         dropped => Err(Error::Capacity {
             what: What::Corners,
-            needed: CAPACITY as u32 + dropped,
+            needed: dropped.saturating_add(CAPACITY as u32),
             have: CAPACITY as u32,
         }),
     }

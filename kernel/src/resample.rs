@@ -44,14 +44,18 @@ pub fn cone<R: Root<f32>>(
 ) -> Option<Filtered> {
     let mut radius = radius;
     for doublings in 0..DOUBLINGS {
+        let (reach, inverse) = (radius * radius, 1.0 / radius);
         let (mut sum, mut weights) = (0.0, 0.0);
         for (&[u_i, v_i], &value) in places.iter().zip(values) {
             let (du, dv) = (u - u_i, v - v_i);
             let squared = du * du + dv * dv;
-            if squared < radius * radius {
-                let weight = 1.0 - R::sqrt(squared) / radius;
-                sum += weight * value;
-                weights += weight;
+            if squared < reach {
+                let weight = 1.0 - R::sqrt(squared) * inverse;
+                // Rounding may put a sample on the rim a hair beyond it.
+                if weight > 0.0 {
+                    sum += weight * value;
+                    weights += weight;
+                }
             }
         }
         if weights > 0.0 {
@@ -137,7 +141,8 @@ impl<A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
             let u = (column as f32 + 0.5) * step;
             *cell = match self.filtered::<R>(surface, [u, v]) {
                 Some(filtered) => {
-                    out_of_reach += u32::from(filtered.doublings > 0);
+                    let grown = u32::from(filtered.doublings > 0);
+                    out_of_reach = grown.saturating_add(out_of_reach);
                     filtered.value
                 }
                 None => 0.0,

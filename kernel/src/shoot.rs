@@ -145,10 +145,10 @@ impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
     /// E = π L F.
     ///
     /// Cost: one form factor per luminaire and sample. Exact up to the rung's
-    /// error.
-    pub fn direct(&mut self) {
+    /// error. Returns the number of shots.
+    pub fn direct(&mut self) -> u32 {
         self.darken();
-        self.reflect();
+        self.reflect()
     }
 
     /// Lets every emitter shoot what reached it since it last shot: one more
@@ -160,7 +160,7 @@ impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
                 emitter.pending = pending;
             }
         }
-        let mut shots = 0;
+        let mut shots = 0_u32;
         for index in 0..self.emitters.len() {
             let pending = self
                 .emitters
@@ -168,7 +168,7 @@ impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
                 .map_or(0.0, |emitter| emitter.pending);
             if pending > 0.0 {
                 self.send(index, pending);
-                shots += 1;
+                shots = shots.saturating_add(1);
             }
         }
         shots
@@ -196,13 +196,7 @@ impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
     /// Cost: one form factor per shot and sample; at most as many shots as
     /// `stop` allows, `EMITTERS` for each reflection.
     pub fn solve(&mut self, stop: Stop) -> Solved {
-        self.direct();
-        let luminaires = self
-            .emitters
-            .iter()
-            .filter(|emitter| emitter.shot > 0.0)
-            .count();
-        let mut shots = luminaires as u32;
+        let mut shots = self.direct();
         match stop {
             Stop::Reflections(times) => {
                 for _ in 0..times {
@@ -215,7 +209,7 @@ impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
             }
             Stop::Shots(limit) => {
                 while shots < limit && self.shoot().is_some() {
-                    shots += 1;
+                    shots = shots.saturating_add(1);
                 }
             }
             Stop::Below {
@@ -223,7 +217,7 @@ impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
                 shots: limit,
             } => {
                 while shots < limit && self.unshot_fraction() > fraction && self.shoot().is_some() {
-                    shots += 1;
+                    shots = shots.saturating_add(1);
                 }
             }
         }

@@ -81,12 +81,36 @@ pub(super) fn plan(scene: Scene, rungs: &RungArguments) -> Result<Planned, Failu
     progress.finish();
     let tables = bake::bake(&scene, &plan)
         .map_err(|error| Failure::limit(error, "lower [budget] samples or split the scene"))?;
+    affordable(&scene, &tables)?;
     Ok(Planned {
         scene,
         rung,
         plan,
         tables,
     })
+}
+
+/// Refuses what a scene's own budget cannot hold: the kernel's state in RAM and
+/// the tables in flash. Code and stack are known once a firmware is linked.
+fn affordable(scene: &Scene, tables: &Tables) -> Result<(), Failure> {
+    let ram = isolux::budget::light_bytes(tables.samples, tables.emitters) as u64;
+    let flash = tables.bytes().len() as u64;
+    let limits = [
+        ("ram", "RAM", scene.budget.ram, ram),
+        ("flash", "flash", scene.budget.flash, flash),
+    ];
+    for (key, name, limit, needed) in limits {
+        if let Some(limit) = limit.filter(|&limit| needed > limit) {
+            return Err(Failure::limit(
+                format!(
+                    "scene `{}` needs {needed} bytes of {name} for {} samples and {} emitters, its budget is {limit}",
+                    scene.name, tables.samples, tables.emitters
+                ),
+                format!("raise [budget] {key} or lower [budget] samples"),
+            ));
+        }
+    }
+    Ok(())
 }
 
 impl Planned {

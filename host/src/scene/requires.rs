@@ -102,17 +102,20 @@ impl Requirements {
                 why,
             });
         };
-        let names = |indices: &[usize]| names(scene, indices);
+        let clause = |indices: &[usize], one: &str, many: &str| {
+            let verb = if indices.len() == 1 { one } else { many };
+            format!("{} {verb}", names(scene, indices))
+        };
         if !self.luminaires.is_empty() {
             need(
                 "direct light",
-                format!("{} emit light", names(&self.luminaires)),
+                format!("{} light", clause(&self.luminaires, "emits", "emit")),
             );
         }
         if !self.reflectors.is_empty() && !self.luminaires.is_empty() {
             need(
                 "reflected light",
-                format!("{} reflect light", names(&self.reflectors)),
+                format!("{} light", clause(&self.reflectors, "reflects", "reflect")),
             );
         }
         if let Some(blocked) = &self.visibility {
@@ -125,7 +128,7 @@ impl Requirements {
         if !self.concave.is_empty() {
             need(
                 "concave polygons",
-                format!("{} are concave", names(&self.concave)),
+                clause(&self.concave, "is concave", "are concave"),
             );
         }
         needs
