@@ -6,7 +6,7 @@
 
 use crate::bake::Tables;
 use isolux::Error;
-use isolux::form_factor::{Arithmetic, Best, Libm};
+use isolux::form_factor::{Arithmetic, Best, Libm, Micromath, Poly3, Poly5, Poly8, form_factor};
 use isolux::geometry::Receiver;
 use isolux::number::Root;
 use isolux::scene::Scene;
@@ -26,32 +26,80 @@ impl Root<f32> for HostRoot {
 }
 
 /// The arithmetic rungs of this build.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Rung {
+    /// [`Libm`].
+    Libm,
+    /// [`Micromath`].
+    Micromath,
+    /// [`Poly3`].
+    Poly3,
+    /// [`Poly5`].
+    Poly5,
+    /// [`Poly8`].
+    Poly8,
     /// [`Best`].
     #[default]
     Best,
-    /// [`Libm`].
-    Libm,
+}
+
+/// Evaluates an expression with `$kernel` as the kernel's type of a rung.
+macro_rules! with_rung {
+    ($rung:expr, $kernel:ident => $body:expr) => {
+        match $rung {
+            Rung::Libm => {
+                type $kernel = Libm<HostRoot>;
+                $body
+            }
+            Rung::Micromath => {
+                type $kernel = Micromath;
+                $body
+            }
+            Rung::Poly3 => {
+                type $kernel = Poly3<HostRoot>;
+                $body
+            }
+            Rung::Poly5 => {
+                type $kernel = Poly5<HostRoot>;
+                $body
+            }
+            Rung::Poly8 => {
+                type $kernel = Poly8<HostRoot>;
+                $body
+            }
+            Rung::Best => {
+                type $kernel = Best<HostRoot>;
+                $body
+            }
+        }
+    };
 }
 
 impl Rung {
-    /// All rungs, by name.
-    pub const ALL: [(&'static str, Self); 2] = [("best", Self::Best), ("libm", Self::Libm)];
+    /// All rungs, in the order of the ladder.
+    pub const ALL: [Self; 6] = [
+        Self::Libm,
+        Self::Micromath,
+        Self::Poly3,
+        Self::Poly5,
+        Self::Poly8,
+        Self::Best,
+    ];
 
     /// The rung of a name.
     pub fn named(name: &str) -> Option<Self> {
-        Self::ALL
-            .iter()
-            .find(|(known, _)| *known == name)
-            .map(|&(_, rung)| rung)
+        Self::ALL.into_iter().find(|rung| rung.name() == name)
     }
 
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Best => "best",
             Self::Libm => "libm",
+            Self::Micromath => "micromath",
+            Self::Poly3 => "poly3",
+            Self::Poly5 => "poly5",
+            Self::Poly8 => "poly8",
+            Self::Best => "best",
         }
     }
 
@@ -66,14 +114,7 @@ impl Rung {
         vertices: &[[f32; 3]],
     ) -> Result<f32, Error> {
         let receiver = Receiver::new::<HostRoot>(position, normal)?;
-        Ok(match self {
-            Self::Best => {
-                isolux::form_factor::form_factor::<Best<HostRoot>, f32>(&receiver, vertices)
-            }
-            Self::Libm => {
-                isolux::form_factor::form_factor::<Libm<HostRoot>, f32>(&receiver, vertices)
-            }
-        })
+        Ok(with_rung!(self, Kernel => form_factor::<Kernel, f32>(&receiver, vertices)))
     }
 }
 
@@ -135,10 +176,9 @@ impl<A: Arithmetic<f32> + Send + Sync> Lit for Light<'_, A, SAMPLES, EMITTERS> {
 /// Those of [`Scene::load`] and [`Light::new`].
 pub fn solve(tables: &Tables, rung: Rung, stop: Stop) -> Result<Solution<'_>, Error> {
     let scene = Scene::load(tables.bytes())?;
-    let mut light: Box<dyn Lit + '_> = match rung {
-        Rung::Best => Box::new(Light::<Best<HostRoot>, SAMPLES, EMITTERS>::new(scene)?),
-        Rung::Libm => Box::new(Light::<Libm<HostRoot>, SAMPLES, EMITTERS>::new(scene)?),
-    };
+    let mut light: Box<dyn Lit + '_> = with_rung!(rung, Kernel => {
+        Box::new(Light::<Kernel, SAMPLES, EMITTERS>::new(scene)?)
+    });
     let solved = light.solve(stop);
     Ok(Solution { light, solved })
 }

@@ -9,7 +9,7 @@
 //! | `ISOLUX_SAMPLES` | samples the scene's type has room for |
 //! | `ISOLUX_EMITTERS` | emitters the scene's type has room for |
 //! | `ISOLUX_RESOLUTION` | rows and columns of each resampled grid |
-//! | `ISOLUX_ARITHMETIC` | rung: `best` or `libm` |
+//! | `ISOLUX_ARITHMETIC` | rung of the arithmetic ladder |
 //! | `ISOLUX_STOP` | `below FRACTION SHOTS`, `shots N` or `reflections N` |
 //!
 //! Without `ISOLUX_TABLES` the firmware builds, says what it lacks and exits 1.
@@ -20,9 +20,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rungs a firmware may be built for, and the kernel's type of each.
-const ARITHMETIC: [(&str, &str); 2] = [
-    ("best", "isolux::form_factor::Best<crate::root::Chosen>"),
+const ARITHMETIC: [(&str, &str); 6] = [
     ("libm", "isolux::form_factor::Libm<crate::root::Chosen>"),
+    ("micromath", "isolux::form_factor::Micromath"),
+    ("poly3", "isolux::form_factor::Poly3<crate::root::Chosen>"),
+    ("poly5", "isolux::form_factor::Poly5<crate::root::Chosen>"),
+    ("poly8", "isolux::form_factor::Poly8<crate::root::Chosen>"),
+    ("best", "isolux::form_factor::Best<crate::root::Chosen>"),
 ];
 
 fn main() {

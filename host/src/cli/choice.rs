@@ -11,7 +11,7 @@ use clap::Args;
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Accuracy ladders")]
 pub(super) struct RungArguments {
-    /// Number type and edge term: best, libm.
+    /// Number type and edge term: libm, micromath, poly3, poly5, poly8, best.
     #[arg(long, value_name = "RUNG")]
     pub(super) arithmetic: Option<String>,
     /// How occlusion is found: none.
@@ -33,7 +33,10 @@ pub(super) struct RungArguments {
 
 /// The rungs of this build, by ladder.
 const BUILT: [(&str, &[&str]); 6] = [
-    ("arithmetic", &["best", "libm"]),
+    (
+        "arithmetic",
+        &["libm", "micromath", "poly3", "poly5", "poly8", "best"],
+    ),
     ("visibility", &["none"]),
     ("emitters", &["isolux"]),
     ("transfer", &["exact"]),

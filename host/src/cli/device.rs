@@ -82,7 +82,7 @@ fn verdict(measured: &Measured) -> Result<(), Failure> {
     if !measured.bits_equal {
         return Err(Failure::limit(
             "the device's bits differ from the host's",
-            "a kernel operation is not the same on both: see the README on determinism",
+            "build this program again if the sources are newer than it; else a kernel operation is not the same on both (README, determinism)",
         ));
     }
     if !measured.budget.kept {

@@ -17,7 +17,7 @@ use std::io::{Read, Write};
 /// from its emitting side. Writes lines `{"id","F"}` in the same order.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Number type and edge term: best, libm.
+    /// Number type and edge term: libm, micromath, poly3, poly5, poly8, best.
     #[arg(long, value_name = "RUNG", conflicts_with = "reference")]
     arithmetic: Option<String>,
     /// Answer from the f64 reference.

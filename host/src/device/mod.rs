@@ -57,7 +57,7 @@ pub struct Job<'a> {
     pub samples: usize,
     /// Emitters the kernel's type has room for.
     pub emitters: usize,
-    /// The rung of arithmetic: `best` or `libm`.
+    /// The name of the rung of arithmetic.
     pub arithmetic: &'a str,
     /// When to stop shooting.
     pub stop: Stop,

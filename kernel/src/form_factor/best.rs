@@ -26,7 +26,7 @@ impl<N: Number, R: Root<N> + Copy> Arithmetic<N> for Best<R> {
         if residual::is_small(receiver, outline) {
             residual::contour(receiver, outline)
         } else {
-            half_angle::contour::<N, R>(receiver, facing, outline)
+            half_angle::contour::<8, N, R>(receiver, facing, outline)
         }
     }
 }

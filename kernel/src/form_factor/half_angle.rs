@@ -1,14 +1,17 @@
 //! A loop summed edge by edge with half-angle tangents and exact horizon caps.
 //!
-//! For an edge from a to b, with c = a×b, d = a·b and t = |a||b| + |d|,
+//! For an edge from a to b, with d = a·b, r = |a||b| and t = r + |d|,
 //!
 //! ```text
-//! q = |c|²/t² = tan²(γ/2)              (d ≥ 0)
-//! γ/|c| = 2 h(q)/t                     (d ≥ 0),   π/|c| − 2 h(q)/t   (d < 0)
+//! q = (r − |d|)/t = tan²(γ/2)  where d ≥ 0,  γ/|a×b| = 2 h(q)/t
+//! q = |a×b|²/t²                where d < 0,  γ/|a×b| = π/|a×b| − 2 h(q)/t
 //! ```
 //!
-//! with h(q) = atan(√q)/√q, so that the edge's term γ n·c/|c| needs one
-//! division and, where γ ≤ 90°, no root but those of the vertices' lengths.
+//! with h(q) = atan(√q)/√q, so that the edge's term γ n·(a×b)/|a×b| needs one
+//! division and, where γ ≤ 90°, no root but those of the vertices' lengths. The
+//! first form of q loses its digits where γ is small, where h is 1 − q/3 and
+//! does not care; past 90° the sine itself is needed, and the second form has
+//! all of its digits.
 //!
 //! A cap runs along the horizon, where n·c/|c| is ±1 exactly, so its term is
 //! its angle: computing it as an ordinary edge would cost up to 5e-3 where the
@@ -67,39 +70,43 @@ impl<N: Number, R: Root<N> + Copy> Corner<N> for Vertex<N, R> {
     }
 }
 
-struct Sum<N, R> {
+struct Sum<const DEGREE: usize, N, R> {
     normal: Vector<N>,
     facing: Vector<N>,
     total: N,
     root: PhantomData<R>,
 }
 
-impl<N: Number, R: Root<N>> Sum<N, R> {
+impl<const DEGREE: usize, N: Number, R: Root<N>> Sum<DEGREE, N, R> {
     /// γ n·c/|c|.
     #[inline(always)]
     fn edge(&mut self, a: &Vertex<N, R>, b: &Vertex<N, R>) {
         let c = a.position.cross(b.position);
         let d = a.position.dot(b.position);
-        let squared = c.norm_squared();
-        let t = a.norm * b.norm + d.abs();
-        if t <= N::ZERO {
-            return; // the receiver is a vertex: the edge has no direction
-        }
-        let inverse = N::ONE / t;
-        let q = squared * inverse * inverse;
-        let mut per_sine = N::of(2.0) * scaled_arctangent(q) * inverse;
-        if d < N::ZERO {
+        let r = a.norm * b.norm;
+        let per_sine = if d >= N::ZERO {
+            let t = r + d;
+            if t <= N::ZERO {
+                return; // the receiver is a vertex: the edge has no direction
+            }
+            let inverse = N::ONE / t;
+            let q = (r - d) * inverse;
+            N::of(2.0) * scaled_arctangent::<DEGREE, N>(q) * inverse
+        } else {
+            let squared = c.norm_squared();
             let sine = R::sqrt(squared);
             if sine <= N::ZERO {
                 return; // the receiver is on the edge
             }
-            per_sine = N::PI / sine - per_sine;
-        }
+            let inverse = N::ONE / (r - d);
+            let q = squared * inverse * inverse;
+            N::PI / sine - N::of(2.0) * scaled_arctangent::<DEGREE, N>(q) * inverse
+        };
         self.total = self.total + per_sine * self.normal.dot(c);
     }
 }
 
-impl<N: Number, R: Root<N>> Edges<N, Vertex<N, R>> for Sum<N, R> {
+impl<const DEGREE: usize, N: Number, R: Root<N>> Edges<N, Vertex<N, R>> for Sum<DEGREE, N, R> {
     #[inline(always)]
     fn whole(&mut self, from: &Vertex<N, R>, to: &Vertex<N, R>) {
         self.edge(from, to);
@@ -124,7 +131,7 @@ impl<N: Number, R: Root<N>> Edges<N, Vertex<N, R>> for Sum<N, R> {
         }
         let inverse = N::ONE / t;
         let tangent = sine * inverse;
-        let mut angle = N::of(2.0) * scaled_arctangent(tangent * tangent) * tangent;
+        let mut angle = N::of(2.0) * scaled_arctangent::<DEGREE, N>(tangent * tangent) * tangent;
         let mut sign = signed_sine;
         if d < N::ZERO {
             angle = N::PI - angle;
@@ -145,7 +152,7 @@ impl<N: Number, R: Root<N>> Edges<N, Vertex<N, R>> for Sum<N, R> {
 
 /// Σ γ_i n·unit(v_i × v_{i+1}) over the part of the loop above the horizon.
 #[inline]
-pub(super) fn contour<N: Number, R: Root<N> + Copy>(
+pub(super) fn contour<const DEGREE: usize, N: Number, R: Root<N> + Copy>(
     receiver: &Receiver<N>,
     facing: Vector<N>,
     outline: &Outline<'_, N>,
@@ -155,7 +162,7 @@ pub(super) fn contour<N: Number, R: Root<N> + Copy>(
         let position = Vector::from(vertex) - place;
         Vertex::<N, R>::new(position, normal.dot(position))
     });
-    let mut sum = Sum {
+    let mut sum = Sum::<DEGREE, N, R> {
         normal,
         facing,
         total: N::ZERO,

@@ -27,8 +27,8 @@
 //! # Rungs
 //!
 //! How a loop is summed is a type, a rung of the arithmetic ladder
-//! ([`Arithmetic`]): [`Libm`] writes Eq. 3 down as it stands, [`Best`] is the
-//! default. Their errors and costs are with them.
+//! ([`Arithmetic`]): [`Libm`] writes Eq. 3 down as it stands, [`Poly3`],
+//! [`Poly5`] and [`Poly8`] trade accuracy for speed, [`Best`] is the default. Their errors and costs are with them.
 //!
 //! # Domain
 //!
@@ -37,11 +37,18 @@
 
 mod best;
 mod half_angle;
+#[cfg(feature = "micromath")]
+mod micro;
 mod paper;
+mod poly;
 mod residual;
 
 pub use best::Best;
+#[cfg(feature = "micromath")]
+#[cfg_attr(docsrs, doc(cfg(feature = "micromath")))]
+pub use micro::Micromath;
 pub use paper::Libm;
+pub use poly::{Poly, Poly3, Poly5, Poly8};
 
 use crate::geometry::{Plane, Receiver, Vector};
 use crate::number::Number;
