@@ -1,0 +1,192 @@
+//! The bits of the paper's scenes, as they were when somebody last looked.
+//!
+//! tests/data/golden-*.tables are the baked scenes, golden-*.json what the
+//! kernel makes of them: every sample, a coarse grid of every surface, and
+//! points in space, after direct light and after all of it. The bits are the
+//! same in debug and release builds, on every host and on the device.
+//!
+//! A change of bits is a decision: `ISOLUX_BLESS=1 cargo test --test golden`
+//! writes the files anew, and the diff shows what moved.
+
+use glam::DVec3;
+use isolux::form_factor::{Arithmetic, Best, Libm};
+use isolux::geometry::Receiver;
+use isolux::number::SoftRoot;
+use isolux::scene::Scene;
+use isolux::shoot::{Light, Stop};
+use isolux_host::bake::{self, Tables};
+use isolux_host::plan;
+use isolux_host::reference::{Reference, Reflections};
+use isolux_host::scene::{file, shipped};
+use isolux_host::solve::HostRoot;
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::path::PathBuf;
+
+/// Cells along each side of a surface's grid.
+const CELLS: u32 = 7;
+
+/// What the kernel makes of a scene; irradiances as the hexadecimal digits of
+/// their bits, with the value beside the first of each list for people.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Golden {
+    scene: String,
+    rungs: Vec<Solved>,
+}
+
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Solved {
+    rung: String,
+    stop: String,
+    shots: u32,
+    form_factors: u32,
+    unshot: String,
+    samples: Vec<String>,
+    grids: Vec<Vec<String>>,
+    points: Vec<String>,
+}
+
+fn bits(value: f32) -> String {
+    format!("{:08x}", value.to_bits())
+}
+
+fn path(name: &str) -> PathBuf {
+    let mut path = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    path.push("tests/data");
+    path.push(name);
+    path
+}
+
+fn blessing() -> bool {
+    std::env::var_os("ISOLUX_BLESS").is_some_and(|set| set == "1")
+}
+
+fn baked(source: (&str, &str)) -> Tables {
+    let scene = file::parse(source.0, source.1).expect("a shipped scene");
+    let once = Reference::new(&scene, Reflections::AtMost(1), &mut |_| {}).expect("a reference");
+    let field = |places: &[(DVec3, DVec3)]| once.irradiance_at(places);
+    let plan = plan::isolux(&scene, &scene.budget, &field).expect("a plan");
+    bake::bake(&scene, &plan).expect("tables")
+}
+
+/// The kernel with the soft root of the device, checked against the hardware's.
+fn solved<A: Arithmetic<f32>, H: Arithmetic<f32>>(
+    scene: Scene<'_>,
+    rung: &str,
+    stop: Stop,
+) -> Solved {
+    let mut light = Box::new(Light::<A, 256, 64>::new(scene).expect("room"));
+    let mut hardware = Box::new(Light::<H, 256, 64>::new(scene).expect("room"));
+    let ended = light.solve(stop);
+    assert_eq!(ended, hardware.solve(stop), "the root changes no bit");
+    assert_eq!(light.irradiance(), hardware.irradiance());
+    let grids = (0..scene.surfaces().len()).map(|surface| {
+        let mut cells = Vec::new();
+        for row in 0..CELLS {
+            let (mut soft, mut hard) = ([0.0; CELLS as usize], [0.0; CELLS as usize]);
+            let grid = [CELLS; 2];
+            let a = light.resample_row::<SoftRoot>(surface, grid, row, &mut soft);
+            let b = hardware.resample_row::<HostRoot>(surface, grid, row, &mut hard);
+            assert_eq!((a, soft), (b, hard));
+            cells.extend(soft.map(bits));
+        }
+        cells
+    });
+    let grids = grids.collect();
+    let points = places().map(|(p, n)| {
+        let receiver = Receiver::new::<SoftRoot>(p, n).expect("a receiver");
+        bits(light.at(&receiver))
+    });
+    Solved {
+        rung: rung.to_owned(),
+        stop: format!("{stop:?}"),
+        shots: ended.shots,
+        form_factors: ended.form_factors,
+        unshot: bits(ended.unshot),
+        samples: light.irradiance().iter().map(|&e| bits(e)).collect(),
+        grids,
+        points: points.collect(),
+    }
+}
+
+/// Receivers on A, on B, between them, on edges, in corners, and far away.
+fn places() -> impl Iterator<Item = ([f32; 3], [f32; 3])> {
+    let up = [0.0, 0.0, 1.0];
+    let down = [0.0, 0.0, -1.0];
+    [
+        ([0.0, 0.0, 0.0], up),
+        ([1.2, 0.0, 0.0], up),
+        ([-2.4, 2.4, 0.0], up),
+        ([2.5, 2.5, 0.0], up),
+        ([3.7, 0.0, 2.2], down),
+        ([6.2, 0.1, 2.2], down),
+        ([8.7, -2.5, 2.2], down),
+        ([3.0, 0.3, 1.1], [-1.0, 0.0, 0.0]),
+        ([1.2, 0.0, 2.199], up),
+        ([-0.3, 1.5, 1.0], [0.3, -0.2, 0.9]),
+        ([5.0, -4.0, 1.5], [-0.5, 0.5, 0.1]),
+        ([300.0, 200.0, -100.0], [-3.0, -2.0, 1.0]),
+    ]
+    .into_iter()
+}
+
+fn golden(name: &str, tables: &Tables) -> Golden {
+    let scene = Scene::load(tables.bytes()).expect("sound tables");
+    let stops = [
+        Stop::Reflections(0),
+        Stop::Reflections(1),
+        Stop::below(1e-3),
+    ];
+    let rungs = stops.into_iter().flat_map(|stop| {
+        [
+            solved::<Best, Best<HostRoot>>(scene, "best", stop),
+            solved::<Libm, Libm<HostRoot>>(scene, "libm", stop),
+        ]
+    });
+    Golden {
+        scene: name.to_owned(),
+        rungs: rungs.collect(),
+    }
+}
+
+fn check(source: (&str, &str)) {
+    let name = source.0.trim_end_matches(".toml");
+    let (tables, values) = (
+        path(&format!("golden-{name}.tables")),
+        path(&format!("golden-{name}.json")),
+    );
+    let baked = baked(source);
+    if blessing() {
+        let text = serde_json::to_string_pretty(&golden(name, &baked)).expect("JSON");
+        fs::write(&tables, baked.bytes()).expect("the tables are written");
+        fs::write(&values, text + "\n").expect("the values are written");
+    }
+    let hint = "is missing: ISOLUX_BLESS=1 cargo test --test golden";
+    let kept = fs::read(&tables).unwrap_or_else(|_| panic!("{} {hint}", tables.display()));
+    let text =
+        fs::read_to_string(&values).unwrap_or_else(|_| panic!("{} {hint}", values.display()));
+    assert!(
+        kept == baked.bytes(),
+        "{name}: the planned and baked tables are not those of {}",
+        tables.display()
+    );
+    let kept: Golden = serde_json::from_str(&text).expect("golden values");
+    let ours = golden(name, &baked);
+    for (ours, kept) in ours.rungs.iter().zip(&kept.rungs) {
+        let at = format!("{name}, {} {}", kept.rung, kept.stop);
+        assert_eq!(ours.samples, kept.samples, "{at}: samples");
+        assert_eq!(ours.grids, kept.grids, "{at}: grids");
+        assert_eq!(ours.points, kept.points, "{at}: points");
+    }
+    assert_eq!(ours, kept);
+}
+
+#[test]
+fn the_paper_scene_keeps_its_bits() {
+    check(shipped::ALL[0]);
+}
+
+#[test]
+fn the_other_light_shape_keeps_its_bits() {
+    check(shipped::ALL[1]);
+}
