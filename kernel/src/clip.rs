@@ -13,6 +13,7 @@
 use crate::Error;
 use crate::error::What;
 use crate::number::Number;
+use core::marker::PhantomData;
 
 /// A vertex on its way through a clip, with whatever its consumer wants to
 /// carry along.
@@ -29,65 +30,109 @@ pub trait Corner<N: Number>: Copy {
     fn toward(&self, other: &Self, t: N) -> Self;
 }
 
-/// What is done with the edges of the part inside.
+/// What is done with the edges of the part inside: a fold over them.
+///
+/// Corners and sums go by value, so that those of the common case, a loop that
+/// is wholly inside, stay in registers.
 pub trait Edges<N, C> {
+    /// What the edges add up to.
+    type Sum;
+
     /// An edge of the polygon that lies wholly inside.
-    fn whole(&mut self, from: &C, to: &C);
+    fn whole(&self, sum: Self::Sum, from: C, to: C) -> Self::Sum;
 
     /// The inner part of an edge that crosses the boundary.
-    fn cut(&mut self, from: &C, to: &C);
+    fn cut(&self, sum: Self::Sum, from: C, to: C) -> Self::Sum;
 
     /// An edge along the boundary, from where the loop left to where it comes
     /// back.
-    fn cap(&mut self, from: &C, to: &C);
+    fn cap(&self, sum: Self::Sum, from: C, to: C) -> Self::Sum;
 }
 
-/// Walks round a loop and hands over the edges of its part with height ≥ 0.
+/// Walks round a loop and folds the edges of its part with height ≥ 0.
 ///
 /// The loop may be any polygon, convex or not: the part inside may then be
 /// several pieces, which come connected by caps that run to and fro along the
 /// boundary and cancel (Sutherland & Hodgman 1974). No edge comes out of a
 /// loop with fewer than two corners. One pass, no buffer. Never panics.
 #[inline(always)]
-pub fn walk<N: Number, C: Corner<N>>(
+pub fn walk<N: Number, C: Corner<N>, E: Edges<N, C>>(
     corners: impl Iterator<Item = C>,
-    edges: &mut impl Edges<N, C>,
-) {
+    edges: &E,
+    sum: E::Sum,
+) -> E::Sum {
     let mut corners = corners;
-    let Some(first) = corners.next() else { return };
+    let mut sum = sum;
+    let Some(first) = corners.next() else {
+        return sum;
+    };
+    let mut gap = Gap::default();
     let mut from = first;
-    let mut left: Option<C> = None;
-    let mut entered_first: Option<C> = None;
-    let mut closing = false;
-    while !closing {
-        let to = match corners.next() {
-            Some(corner) => corner,
-            None => {
-                closing = true;
-                first
-            }
-        };
-        match (from.height() >= N::ZERO, to.height() >= N::ZERO) {
-            (true, true) => edges.whole(&from, &to),
-            (true, false) => {
-                let exit = crossing(&from, &to);
-                edges.cut(&from, &exit);
-                left = Some(exit);
-            }
-            (false, true) => {
-                let entry = crossing(&to, &from);
-                match left.take() {
-                    Some(exit) => edges.cap(&exit, &entry),
-                    None => entered_first = Some(entry),
-                }
-                edges.cut(&entry, &to);
-            }
-            (false, false) => {}
+    loop {
+        let next = corners.next();
+        let to = next.unwrap_or(first);
+        let (from_inside, to_inside) = (from.height() >= N::ZERO, to.height() >= N::ZERO);
+        if from_inside && to_inside {
+            sum = edges.whole(sum, from, to);
+        } else if from_inside || to_inside {
+            sum = gap.cross(edges, sum, from, to);
+        }
+        if next.is_none() {
+            return gap.close(edges, sum);
         }
         from = to;
     }
-    if let (Some(exit), Some(entry)) = (left, entered_first) {
-        edges.cap(&exit, &entry);
+}
+
+/// Where a loop has been outside.
+struct Gap<C> {
+    /// Where it left and has not come back yet.
+    left: Option<C>,
+    /// Where it came in without having left: it began outside.
+    entered: Option<C>,
+}
+
+impl<C> Default for Gap<C> {
+    fn default() -> Self {
+        Self {
+            left: None,
+            entered: None,
+        }
+    }
+}
+
+impl<C> Gap<C> {
+    /// An edge that crosses the boundary.
+    #[cold]
+    #[inline(never)]
+    fn cross<N: Number, E: Edges<N, C>>(&mut self, edges: &E, sum: E::Sum, from: C, to: C) -> E::Sum
+    where
+        C: Corner<N>,
+    {
+        if from.height() >= N::ZERO {
+            let exit = crossing(&from, &to);
+            self.left = Some(exit);
+            edges.cut(sum, from, exit)
+        } else {
+            let entry = crossing(&to, &from);
+            let sum = match self.left.take() {
+                Some(exit) => edges.cap(sum, exit, entry),
+                None => {
+                    self.entered = Some(entry);
+                    sum
+                }
+            };
+            edges.cut(sum, entry, to)
+        }
+    }
+
+    /// The cap of a loop that began outside.
+    #[inline]
+    fn close<N, E: Edges<N, C>>(self, edges: &E, sum: E::Sum) -> E::Sum {
+        match (self.left, self.entered) {
+            (Some(exit), Some(entry)) => edges.cap(sum, exit, entry),
+            _ => sum,
+        }
     }
 }
 
@@ -147,30 +192,37 @@ impl<N: Number> Corner<N> for Place<N> {
 /// Corners of a clipped polygon, at most `CAPACITY`.
 pub type Corners<N, const CAPACITY: usize> = heapless::Vec<Place<N>, CAPACITY>;
 
-struct Collector<'a, N, const CAPACITY: usize> {
-    corners: &'a mut Corners<N, CAPACITY>,
-    dropped: u32,
+/// Collects the first corner of every edge into a buffer and counts those that
+/// do not fit.
+struct Collector<'a, const CAPACITY: usize>(PhantomData<&'a ()>);
+
+/// The buffer, and how many corners did not fit.
+type Collected<'a, N, const CAPACITY: usize> = (&'a mut Corners<N, CAPACITY>, u32);
+
+fn collect<N: Number, const CAPACITY: usize>(
+    (corners, dropped): Collected<'_, N, CAPACITY>,
+    corner: Place<N>,
+) -> Collected<'_, N, CAPACITY> {
+    let dropped = match corners.push(corner) {
+        Ok(()) => dropped,
+        Err(_) => dropped.saturating_add(1),
+    };
+    (corners, dropped)
 }
 
-impl<N: Number, const CAPACITY: usize> Collector<'_, N, CAPACITY> {
-    fn start(&mut self, corner: &Place<N>) {
-        if self.corners.push(*corner).is_err() {
-            self.dropped = self.dropped.saturating_add(1);
-        }
-    }
-}
+impl<'a, N: Number + 'a, const CAPACITY: usize> Edges<N, Place<N>> for Collector<'a, CAPACITY> {
+    type Sum = Collected<'a, N, CAPACITY>;
 
-impl<N: Number, const CAPACITY: usize> Edges<N, Place<N>> for Collector<'_, N, CAPACITY> {
-    fn whole(&mut self, from: &Place<N>, _: &Place<N>) {
-        self.start(from);
+    fn whole(&self, sum: Self::Sum, from: Place<N>, _: Place<N>) -> Self::Sum {
+        collect(sum, from)
     }
 
-    fn cut(&mut self, from: &Place<N>, _: &Place<N>) {
-        self.start(from);
+    fn cut(&self, sum: Self::Sum, from: Place<N>, _: Place<N>) -> Self::Sum {
+        collect(sum, from)
     }
 
-    fn cap(&mut self, from: &Place<N>, _: &Place<N>) {
-        self.start(from);
+    fn cap(&self, sum: Self::Sum, from: Place<N>, _: Place<N>) -> Self::Sum {
+        collect(sum, from)
     }
 }
 
@@ -189,12 +241,8 @@ pub fn polygon<N: Number, const CAPACITY: usize>(
     clipped: &mut Corners<N, CAPACITY>,
 ) -> Result<(), Error> {
     clipped.clear();
-    let mut collector = Collector {
-        corners: clipped,
-        dropped: 0,
-    };
-    walk(corners, &mut collector);
-    match collector.dropped {
+    let (_, dropped) = walk(corners, &Collector(PhantomData), (clipped, 0));
+    match dropped {
         0 => Ok(()),
         dropped => Err(Error::Capacity {
             what: What::Corners,

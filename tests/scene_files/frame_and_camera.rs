@@ -167,7 +167,7 @@ fn the_paper_camera_sees_both_fronts() {
         };
         assert!(share("A") > 0.08, "{name}: {}", share("A"));
         assert!(share("B") > 0.05, "{name}: {}", share("B"));
-        assert!(share("LS") > 0.05, "{name}: {}", share("LS"));
+        assert!(share("LS") > 0.03, "{name}: {}", share("LS"));
         for (index, hit) in hits.iter().enumerate() {
             let Some(hit) = hit else { continue };
             assert!(hit.front);

@@ -70,24 +70,23 @@ impl<N: Number, R: Root<N> + Copy> Corner<N> for Vertex<N, R> {
     }
 }
 
-struct Sum<const DEGREE: usize, N, R> {
+struct HalfAngle<const DEGREE: usize, N, R> {
     normal: Vector<N>,
     facing: Vector<N>,
-    total: N,
     root: PhantomData<R>,
 }
 
-impl<const DEGREE: usize, N: Number, R: Root<N>> Sum<DEGREE, N, R> {
+impl<const DEGREE: usize, N: Number, R: Root<N>> HalfAngle<DEGREE, N, R> {
     /// γ n·c/|c|.
     #[inline(always)]
-    fn edge(&mut self, a: &Vertex<N, R>, b: &Vertex<N, R>) {
+    fn edge(&self, a: Vertex<N, R>, b: Vertex<N, R>) -> N {
         let c = a.position.cross(b.position);
         let d = a.position.dot(b.position);
         let r = a.norm * b.norm;
         let per_sine = if d >= N::ZERO {
             let t = r + d;
             if t <= N::ZERO {
-                return; // the receiver is a vertex: the edge has no direction
+                return N::ZERO; // the receiver is a vertex: the edge has no direction
             }
             let inverse = N::ONE / t;
             let q = (r - d) * inverse;
@@ -96,57 +95,57 @@ impl<const DEGREE: usize, N: Number, R: Root<N>> Sum<DEGREE, N, R> {
             let squared = c.norm_squared();
             let sine = R::sqrt(squared);
             if sine <= N::ZERO {
-                return; // the receiver is on the edge
+                return N::ZERO; // the receiver is on the edge
             }
             let inverse = N::ONE / (r - d);
             let q = squared * inverse * inverse;
             N::PI / sine - N::of(2.0) * scaled_arctangent::<DEGREE, N>(q) * inverse
         };
-        self.total = self.total + per_sine * self.normal.dot(c);
+        per_sine * self.normal.dot(c)
     }
 }
 
-impl<const DEGREE: usize, N: Number, R: Root<N>> Edges<N, Vertex<N, R>> for Sum<DEGREE, N, R> {
+impl<const DEGREE: usize, N: Number, R: Root<N>> Edges<N, Vertex<N, R>>
+    for HalfAngle<DEGREE, N, R>
+{
+    type Sum = N;
+
     #[inline(always)]
-    fn whole(&mut self, from: &Vertex<N, R>, to: &Vertex<N, R>) {
-        self.edge(from, to);
+    fn whole(&self, sum: N, from: Vertex<N, R>, to: Vertex<N, R>) -> N {
+        sum + self.edge(from, to)
     }
 
-    #[cold]
     #[inline(never)]
-    fn cut(&mut self, from: &Vertex<N, R>, to: &Vertex<N, R>) {
-        self.edge(from, to);
+    fn cut(&self, sum: N, from: Vertex<N, R>, to: Vertex<N, R>) -> N {
+        sum + self.edge(from, to)
     }
 
     /// ±γ.
-    #[cold]
     #[inline(never)]
-    fn cap(&mut self, from: &Vertex<N, R>, to: &Vertex<N, R>) {
+    fn cap(&self, sum: N, from: Vertex<N, R>, to: Vertex<N, R>) -> N {
         let d = from.position.dot(to.position);
         let signed_sine = self.normal.dot(from.position.cross(to.position));
         let sine = signed_sine.abs();
         let t = from.norm * to.norm + d.abs();
         if t <= N::ZERO {
-            return;
+            return sum;
         }
-        let inverse = N::ONE / t;
-        let tangent = sine * inverse;
-        let mut angle = N::of(2.0) * scaled_arctangent::<DEGREE, N>(tangent * tangent) * tangent;
+        let tangent = sine / t;
+        let half = scaled_arctangent::<DEGREE, N>(tangent * tangent) * tangent;
+        let mut angle = half + half;
         let mut sign = signed_sine;
         if d < N::ZERO {
             angle = N::PI - angle;
             if tangent < N::of(1.0 / 512.0) {
-                sign = self
-                    .facing
-                    .cross(self.normal)
-                    .dot(to.position - from.position);
+                let along = self.facing.cross(self.normal);
+                sign = along.dot(to.position - from.position);
             }
         }
-        self.total = if sign < N::ZERO {
-            self.total - angle
+        if sign < N::ZERO {
+            sum - angle
         } else {
-            self.total + angle
-        };
+            sum + angle
+        }
     }
 }
 
@@ -162,12 +161,10 @@ pub(super) fn contour<const DEGREE: usize, N: Number, R: Root<N> + Copy>(
         let position = Vector::from(vertex) - place;
         Vertex::<N, R>::new(position, normal.dot(position))
     });
-    let mut sum = Sum::<DEGREE, N, R> {
+    let edges = HalfAngle::<DEGREE, N, R> {
         normal,
         facing,
-        total: N::ZERO,
         root: PhantomData,
     };
-    clip::walk(corners, &mut sum);
-    sum.total
+    clip::walk(corners, &edges, N::ZERO)
 }

@@ -1,6 +1,6 @@
 //! Eq. 3 through micromath.
 
-use super::{Arithmetic, Outline};
+use super::{Arithmetic, Outline, places};
 use crate::clip::{self, Edges, Place};
 use crate::geometry::{Receiver, Vector};
 use micromath::F32Ext;
@@ -18,51 +18,43 @@ use micromath::F32Ext;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Micromath;
 
-struct Sum {
+struct ArcTangents {
     normal: Vector<f32>,
-    total: f32,
 }
 
-impl Sum {
+impl ArcTangents {
     #[inline(never)]
-    fn edge(&mut self, a: Vector<f32>, b: Vector<f32>) {
+    fn add(&self, sum: f32, a: Vector<f32>, b: Vector<f32>) -> f32 {
         let c = a.cross(b);
         let sine = F32Ext::sqrt(c.norm_squared());
-        if sine > 0.0 {
-            let angle = F32Ext::atan2(sine, a.dot(b));
-            self.total += angle * self.normal.dot(c) / sine;
+        if sine <= 0.0 {
+            return sum; // the receiver is on the edge or its line
         }
+        sum + F32Ext::atan2(sine, a.dot(b)) * self.normal.dot(c) / sine
     }
 }
 
-impl Edges<f32, Place<f32>> for Sum {
-    fn whole(&mut self, from: &Place<f32>, to: &Place<f32>) {
-        self.edge(from.position, to.position);
+impl Edges<f32, Place<f32>> for ArcTangents {
+    type Sum = f32;
+
+    fn whole(&self, sum: f32, from: Place<f32>, to: Place<f32>) -> f32 {
+        self.add(sum, from.position, to.position)
     }
 
-    fn cut(&mut self, from: &Place<f32>, to: &Place<f32>) {
-        self.edge(from.position, to.position);
+    fn cut(&self, sum: f32, from: Place<f32>, to: Place<f32>) -> f32 {
+        self.add(sum, from.position, to.position)
     }
 
-    fn cap(&mut self, from: &Place<f32>, to: &Place<f32>) {
-        self.edge(from.position, to.position);
+    fn cap(&self, sum: f32, from: Place<f32>, to: Place<f32>) -> f32 {
+        self.add(sum, from.position, to.position)
     }
 }
 
 impl Arithmetic<f32> for Micromath {
     fn contour(receiver: &Receiver<f32>, _: Vector<f32>, outline: &Outline<'_, f32>) -> f32 {
-        let corners = outline.vertices().iter().map(|&vertex| {
-            let position = Vector::from(vertex) - receiver.position();
-            Place {
-                position,
-                height: receiver.normal().dot(position),
-            }
-        });
-        let mut sum = Sum {
+        let edges = ArcTangents {
             normal: receiver.normal(),
-            total: 0.0,
         };
-        clip::walk(corners, &mut sum);
-        sum.total
+        clip::walk(places(receiver, outline), &edges, 0.0)
     }
 }

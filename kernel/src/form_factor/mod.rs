@@ -50,6 +50,7 @@ pub use micro::Micromath;
 pub use paper::Libm;
 pub use poly::{Poly, Poly3, Poly5, Poly8};
 
+use crate::clip::Place;
 use crate::geometry::{Plane, Receiver, Vector};
 use crate::number::Number;
 
@@ -142,6 +143,22 @@ pub fn of_loops<'a, A: Arithmetic<N>, N: Number + 'a>(
         sum = sum + A::contour(receiver, plane.normal, &outline);
     }
     fraction(sum * N::of(-0.5 / core::f64::consts::PI))
+}
+
+/// The vertices of a loop relative to a receiver, with their heights above its
+/// horizon.
+#[inline(always)]
+fn places<'a, N: Number>(
+    receiver: &'a Receiver<N>,
+    outline: &Outline<'a, N>,
+) -> impl Iterator<Item = Place<N>> + 'a {
+    outline.vertices().iter().map(|&vertex| {
+        let position = Vector::from(vertex) - receiver.position();
+        Place {
+            position,
+            height: receiver.normal().dot(position),
+        }
+    })
 }
 
 /// Clamps to [0, 1]; NaN becomes 0. Written with comparisons because

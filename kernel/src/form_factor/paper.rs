@@ -1,6 +1,6 @@
 //! Eq. 3 of the paper, corrected, through libm.
 
-use super::{Arithmetic, Outline};
+use super::{Arithmetic, Outline, places};
 use crate::clip::{self, Edges, Place};
 use crate::geometry::{Receiver, Vector};
 use crate::number::{ArcCosine, Root, SoftRoot};
@@ -19,20 +19,19 @@ use core::marker::PhantomData;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Libm<R = SoftRoot>(PhantomData<R>);
 
-struct Sum<N, R> {
+struct ArcCosines<N, R> {
     normal: Vector<N>,
-    total: N,
     root: PhantomData<R>,
 }
 
-impl<N: ArcCosine, R: Root<N>> Sum<N, R> {
+impl<N: ArcCosine, R: Root<N>> ArcCosines<N, R> {
     #[inline(never)]
-    fn edge(&mut self, a: Vector<N>, b: Vector<N>) {
+    fn add(&self, sum: N, a: Vector<N>, b: Vector<N>) -> N {
         let norms = R::sqrt(a.norm_squared()) * R::sqrt(b.norm_squared());
         let c = a.cross(b);
         let sine = R::sqrt(c.norm_squared());
-        if !(norms > N::ZERO && sine > N::ZERO) {
-            return; // the receiver is on the edge or its line
+        if norms <= N::ZERO || sine <= N::ZERO {
+            return sum; // the receiver is on the edge or its line
         }
         let cosine = a.dot(b) / norms;
         let cosine = if cosine > N::ONE {
@@ -42,39 +41,32 @@ impl<N: ArcCosine, R: Root<N>> Sum<N, R> {
         } else {
             cosine
         };
-        self.total = self.total + cosine.acos() * self.normal.dot(c) / sine;
+        sum + cosine.acos() * self.normal.dot(c) / sine
     }
 }
 
-impl<N: ArcCosine, R: Root<N>> Edges<N, Place<N>> for Sum<N, R> {
-    fn whole(&mut self, from: &Place<N>, to: &Place<N>) {
-        self.edge(from.position, to.position);
+impl<N: ArcCosine, R: Root<N>> Edges<N, Place<N>> for ArcCosines<N, R> {
+    type Sum = N;
+
+    fn whole(&self, sum: N, from: Place<N>, to: Place<N>) -> N {
+        self.add(sum, from.position, to.position)
     }
 
-    fn cut(&mut self, from: &Place<N>, to: &Place<N>) {
-        self.edge(from.position, to.position);
+    fn cut(&self, sum: N, from: Place<N>, to: Place<N>) -> N {
+        self.add(sum, from.position, to.position)
     }
 
-    fn cap(&mut self, from: &Place<N>, to: &Place<N>) {
-        self.edge(from.position, to.position);
+    fn cap(&self, sum: N, from: Place<N>, to: Place<N>) -> N {
+        self.add(sum, from.position, to.position)
     }
 }
 
 impl<N: ArcCosine, R: Root<N>> Arithmetic<N> for Libm<R> {
     fn contour(receiver: &Receiver<N>, _: Vector<N>, outline: &Outline<'_, N>) -> N {
-        let corners = outline.vertices().iter().map(|&vertex| {
-            let position = Vector::from(vertex) - receiver.position();
-            Place {
-                position,
-                height: receiver.normal().dot(position),
-            }
-        });
-        let mut sum = Sum::<N, R> {
+        let edges = ArcCosines::<N, R> {
             normal: receiver.normal(),
-            total: N::ZERO,
             root: PhantomData,
         };
-        clip::walk(corners, &mut sum);
-        sum.total
+        clip::walk(places(receiver, outline), &edges, N::ZERO)
     }
 }

@@ -54,59 +54,56 @@ struct Vertex<N> {
     height: N,
     /// δ = |v|² − |v_0|².
     excess: N,
+    twice_first: Vector<N>,
 }
 
-struct Sum<N> {
+impl<N: Number> Vertex<N> {
+    #[inline(always)]
+    fn new(offset: Vector<N>, height: N, twice_first: Vector<N>) -> Self {
+        let excess = offset.dot(twice_first + offset);
+        Self {
+            offset,
+            height,
+            excess,
+            twice_first,
+        }
+    }
+}
+
+impl<N: Number> Corner<N> for Vertex<N> {
+    #[inline(always)]
+    fn height(&self) -> N {
+        self.height
+    }
+
+    #[inline(always)]
+    fn farness(&self) -> N {
+        self.excess
+    }
+
+    #[inline(always)]
+    fn toward(&self, other: &Self, t: N) -> Self {
+        let offset = self.offset + (other.offset - self.offset) * t;
+        Self::new(offset, N::ZERO, self.twice_first)
+    }
+}
+
+struct Residual<N> {
     normal: Vector<N>,
-    first: Vector<N>,
     distance_squared: N,
+}
+
+#[derive(Clone, Copy)]
+struct Sum<N> {
     /// Σ η e.
     along: Vector<N>,
     /// Σ (1 + η) n·C.
     across: N,
 }
 
-/// [`Vertex`] with what its δ is computed from.
-#[derive(Clone, Copy)]
-struct Seen<N> {
-    vertex: Vertex<N>,
-    twice_first: Vector<N>,
-}
-
-impl<N: Number> Corner<N> for Seen<N> {
+impl<N: Number> Residual<N> {
     #[inline(always)]
-    fn height(&self) -> N {
-        self.vertex.height
-    }
-
-    #[inline(always)]
-    fn farness(&self) -> N {
-        self.vertex.excess
-    }
-
-    #[inline(always)]
-    fn toward(&self, other: &Self, t: N) -> Self {
-        let offset = self.vertex.offset + (other.vertex.offset - self.vertex.offset) * t;
-        seen(offset, N::ZERO, self.twice_first)
-    }
-}
-
-#[inline(always)]
-fn seen<N: Number>(offset: Vector<N>, height: N, twice_first: Vector<N>) -> Seen<N> {
-    let excess = offset.dot(twice_first + offset);
-    Seen {
-        vertex: Vertex {
-            offset,
-            height,
-            excess,
-        },
-        twice_first,
-    }
-}
-
-impl<N: Number> Sum<N> {
-    #[inline(always)]
-    fn edge(&mut self, a: &Vertex<N>, b: &Vertex<N>) {
+    fn add(&self, sum: Sum<N>, a: Vertex<N>, b: Vertex<N>) -> Sum<N> {
         let half = N::of(0.5);
         let e = b.offset - a.offset;
         let length_squared = e.norm_squared();
@@ -116,27 +113,31 @@ impl<N: Number> Sum<N> {
         let l = (self.distance_squared + a.excess) * length_squared - y * y;
         let w = l * inverse * inverse;
         let eta = (x - self.distance_squared * w * residual_arctangent(w)) * inverse;
-        self.along = self.along + e * eta;
         let area = self.normal.dot(a.offset.cross(b.offset));
-        self.across = self.across + (area + eta * area);
+        Sum {
+            along: sum.along + e * eta,
+            across: sum.across + (area + eta * area),
+        }
     }
 }
 
-impl<N: Number> Edges<N, Seen<N>> for Sum<N> {
+impl<N: Number> Edges<N, Vertex<N>> for Residual<N> {
+    type Sum = Sum<N>;
+
     #[inline(always)]
-    fn whole(&mut self, from: &Seen<N>, to: &Seen<N>) {
-        self.edge(&from.vertex, &to.vertex);
+    fn whole(&self, sum: Sum<N>, from: Vertex<N>, to: Vertex<N>) -> Sum<N> {
+        self.add(sum, from, to)
     }
 
-    #[cold]
     #[inline(never)]
-    fn cut(&mut self, from: &Seen<N>, to: &Seen<N>) {
-        self.edge(&from.vertex, &to.vertex);
+    fn cut(&self, sum: Sum<N>, from: Vertex<N>, to: Vertex<N>) -> Sum<N> {
+        self.add(sum, from, to)
     }
 
+    /// Small loops are far from spanning 180°: a cap is an edge like others.
     #[inline(always)]
-    fn cap(&mut self, from: &Seen<N>, to: &Seen<N>) {
-        self.cut(from, to);
+    fn cap(&self, sum: Sum<N>, from: Vertex<N>, to: Vertex<N>) -> Sum<N> {
+        self.cut(sum, from, to)
     }
 }
 
@@ -152,16 +153,17 @@ pub(super) fn contour<N: Number>(receiver: &Receiver<N>, outline: &Outline<'_, N
     let twice_first = first + first;
     let corners = outline.vertices().iter().map(|&vertex| {
         let vertex = Vector::from(vertex);
-        seen(vertex - origin, normal.dot(vertex - place), twice_first)
+        Vertex::new(vertex - origin, normal.dot(vertex - place), twice_first)
     });
     let distance_squared = first.norm_squared();
-    let mut sum = Sum {
+    let edges = Residual {
         normal,
-        first,
         distance_squared,
+    };
+    let none = Sum {
         along: Vector::ZERO,
         across: N::ZERO,
     };
-    clip::walk(corners, &mut sum);
-    (sum.normal.cross(sum.first).dot(sum.along) + sum.across) / distance_squared
+    let sum = clip::walk(corners, &edges, none);
+    (normal.cross(first).dot(sum.along) + sum.across) / distance_squared
 }

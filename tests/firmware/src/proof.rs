@@ -27,7 +27,7 @@ mod entries {
 
     use cortex_m as _; // the vector table's exceptions
     use isolux::clip::{self, Corners, Place};
-    use isolux::form_factor::{self, Best, Libm, Outline};
+    use isolux::form_factor::{self, Best, Libm, Micromath, Outline, Poly3, Poly5, Poly8};
     use isolux::geometry::{Plane, Receiver};
     use isolux::number::{self, Root, SoftRoot};
     use isolux::resample::{self, Filtered, Row};
@@ -87,6 +87,18 @@ mod entries {
         fn isolux_entry_form_factor_libm_software_root(receiver: &Receiver<f32>, vertices: &[[f32; 3]]) -> f32 {
             form_factor::form_factor::<Libm<SoftRoot>, f32>(receiver, vertices)
         }
+        fn isolux_entry_form_factor_poly3(receiver: &Receiver<f32>, vertices: &[[f32; 3]]) -> f32 {
+            form_factor::form_factor::<Poly3<Chosen>, f32>(receiver, vertices)
+        }
+        fn isolux_entry_form_factor_poly5(receiver: &Receiver<f32>, vertices: &[[f32; 3]]) -> f32 {
+            form_factor::form_factor::<Poly5<Chosen>, f32>(receiver, vertices)
+        }
+        fn isolux_entry_form_factor_poly8(receiver: &Receiver<f32>, vertices: &[[f32; 3]]) -> f32 {
+            form_factor::form_factor::<Poly8<Chosen>, f32>(receiver, vertices)
+        }
+        fn isolux_entry_form_factor_micromath(receiver: &Receiver<f32>, vertices: &[[f32; 3]]) -> f32 {
+            form_factor::form_factor::<Micromath, f32>(receiver, vertices)
+        }
         fn isolux_entry_form_factor_best_f64(receiver: &Receiver<f64>, vertices: &[[f64; 3]]) -> f64 {
             form_factor::form_factor::<Best<SoftRoot>, f64>(receiver, vertices)
         }
@@ -104,7 +116,7 @@ mod entries {
             clip::polygon(places.iter().copied(), out)
         }
         fn isolux_entry_scaled_arctangent(q: f32) -> f32 {
-            number::scaled_arctangent(q)
+            number::scaled_arctangent::<8, f32>(q)
         }
         fn isolux_entry_residual_arctangent(w: f32) -> f32 {
             number::residual_arctangent(w)
