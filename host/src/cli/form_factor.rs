@@ -9,7 +9,7 @@ use clap::Args;
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::value::RawValue;
 use std::io::{Read, Write};
 
 /// Reads lines `{"id","p":[3],"n":[3],"v":[[3],..]}` on stdin: a receiver at p
@@ -33,7 +33,8 @@ const LEAST_VERTICES: usize = 3;
 
 #[derive(Deserialize)]
 struct Question {
-    id: Value,
+    /// Kept as the text it is: digits and escapes come back as given.
+    id: Box<RawValue>,
     p: [f64; 3],
     n: [f64; 3],
     v: Vec<[f64; 3]>,
@@ -41,7 +42,7 @@ struct Question {
 
 #[derive(Serialize)]
 struct Answer<F> {
-    id: Value,
+    id: Box<RawValue>,
     #[serde(rename = "F")]
     form_factor: F,
 }

@@ -106,9 +106,14 @@ pub(super) fn records(scene: &Scene<'_>) -> Result<(), Error> {
 /// distances must be finite.
 const FARTHEST: f32 = 1e8;
 
-/// The largest radiosity in W m⁻² that tables may hold: sums over every
-/// emitter must be finite.
-const BRIGHTEST: f32 = 1e32;
+/// The largest emitted radiosity in W m⁻² that tables may hold, and the most
+/// that is shot at once: with [`LARGEST`], every power and every sum over
+/// samples and emitters stays finite.
+pub(crate) const BRIGHTEST: f32 = 1e21;
+
+/// The largest area in m² that tables may hold: a little more than a polygon
+/// between [`FARTHEST`] coordinates can have.
+const LARGEST: f32 = 1e17;
 
 fn surface_is_sound(surface: &Surface) -> bool {
     let axes = [&surface.axis_u, &surface.axis_v, &surface.normal];
@@ -124,7 +129,7 @@ fn emitter_is_sound(emitter: &Emitter) -> bool {
     non_negative(emitter.exitance)
         && emitter.exitance <= BRIGHTEST
         && reflectance(emitter.reflectance)
-        && non_negative(emitter.area)
+        && (0.0..=LARGEST).contains(&emitter.area)
 }
 
 fn loop_is_sound(outline: &Loop) -> bool {

@@ -27,6 +27,8 @@
 mod check;
 pub mod records;
 
+pub(crate) use check::BRIGHTEST;
+
 use crate::Error;
 use crate::error::What;
 use crate::form_factor::{self, Arithmetic, Outline};
