@@ -1,0 +1,161 @@
+//! The operations whose cost is measured, on the device and on the host: the
+//! same numbers in the same order, so that instructions and nanoseconds speak
+//! of the same work and the answers can be compared.
+
+use isolux::Error;
+use isolux::geometry::{Receiver, Vector};
+use isolux::number::SoftRoot;
+
+/// An emitter and how its receivers see it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Case {
+    /// Its name in reports.
+    pub(crate) name: &'static str,
+    /// Circumradius of the emitter in metres, which hangs 1 m above the
+    /// receivers. The kernel takes one of 1 m for a large emitter and one of
+    /// 0.1 m for a small one, whatever the receiver.
+    radius: f32,
+    /// Whether the receiver's horizon runs through the emitter.
+    clipped: bool,
+}
+
+/// Both ways of summing a loop, with and without the horizon in it.
+pub(crate) const CASES: [Case; 4] = [
+    case("large-unclipped", 1.0, false),
+    case("large-clipped", 1.0, true),
+    case("small-unclipped", 0.1, false),
+    case("small-clipped", 0.1, true),
+];
+
+/// Vertices of the emitters.
+pub(crate) const VERTICES: [usize; 3] = [3, 4, 8];
+
+/// Receivers of every emitter.
+pub(crate) const RECEIVERS: usize = ROWS * ROWS;
+
+/// Receivers along each side of their square.
+const ROWS: usize = 6;
+
+/// cos 45°.
+const DIAGONAL: f32 = core::f32::consts::FRAC_1_SQRT_2;
+
+/// Corners of a regular octagon of circumradius 1.
+const OCTAGON: [[f32; 2]; 8] = [
+    [1.0, 0.0],
+    [DIAGONAL, DIAGONAL],
+    [0.0, 1.0],
+    [-DIAGONAL, DIAGONAL],
+    [-1.0, 0.0],
+    [-DIAGONAL, -DIAGONAL],
+    [0.0, -1.0],
+    [DIAGONAL, -DIAGONAL],
+];
+
+/// Corners of a regular triangle of circumradius 1; √3/2.
+const TRIANGLE: [[f32; 2]; 3] = [[1.0, 0.0], [-0.5, 0.866_025_4], [-0.5, -0.866_025_4]];
+
+const fn case(name: &'static str, radius: f32, clipped: bool) -> Case {
+    Case {
+        name,
+        radius,
+        clipped,
+    }
+}
+
+/// Where on the square the receiver `index` is, −1 to 1: shifted a little off
+/// the symmetries.
+fn place(index: usize) -> [f32; 2] {
+    let coordinate = |step: usize| 0.36 * step as f32 - 0.9;
+    [
+        coordinate(index % ROWS) + 0.047,
+        coordinate(index / ROWS % ROWS) + 0.031,
+    ]
+}
+
+impl Case {
+    /// The emitter, facing down; the first `vertices` of the corners are its.
+    pub(crate) fn emitter(&self, vertices: usize) -> [[f32; 3]; 8] {
+        let mut corners = [[0.0; 3]; 8];
+        for (index, corner) in corners.iter_mut().enumerate() {
+            let [x, y] = match vertices {
+                3 => TRIANGLE[index % 3],
+                4 => OCTAGON[2 * index % 8],
+                _ => OCTAGON[index],
+            };
+            // The other way round: it is seen from below.
+            *corner = [self.radius * x, -self.radius * y, 1.0];
+        }
+        corners
+    }
+
+    /// A receiver on the plane z = 0, within 1.5 m of the middle in x and y.
+    /// It sees the whole emitter, or its horizon runs through a place 0.4
+    /// radii from the emitter's centre.
+    pub(crate) fn receiver(&self, index: usize) -> Result<Receiver<f32>, Error> {
+        let [x, y] = place(index).map(|t| 1.5 * t);
+        let normal = if self.clipped {
+            let through = OCTAGON[index % 8].map(|t| 0.4 * self.radius * t);
+            let towards = Vector::from([through[0] - x, through[1] - y, 1.0]);
+            let [u, v] = OCTAGON[(3 * index + 1) % 8];
+            towards.cross(Vector::from([u, v, 0.0])).into()
+        } else {
+            [0.1, -0.05, 1.0]
+        };
+        Receiver::new::<SoftRoot>([x, y, 0.0], normal)
+    }
+}
+
+/// Samples on an emitter, as the classical method has them: each is a disc of
+/// the area it stands for.
+pub(crate) struct Samples {
+    places: [[f32; 3]; Self::MOST],
+    count: usize,
+    facing: Vector<f32>,
+    area: f32,
+}
+
+impl Samples {
+    /// Samples on the paper's light source.
+    pub(crate) const MOST: usize = 400;
+
+    /// `side` × `side` samples on the 3 m × 3 m light of the paper's scene;
+    /// at most [`Samples::MOST`].
+    pub(crate) fn on_the_light(side: usize) -> Self {
+        let step = 3.0 / side as f32;
+        let mut places = [[0.0; 3]; Self::MOST];
+        for (index, place) in places.iter_mut().enumerate().take(side * side) {
+            let centre = |number: usize| (number as f32 + 0.5) * step;
+            *place = [centre(index % side) - 0.3, centre(index / side) - 1.5, 2.2];
+        }
+        Self {
+            places,
+            count: side * side,
+            facing: Vector::from([0.0, 0.0, -1.0]),
+            area: step * step,
+        }
+    }
+
+    /// A receiver on the paper's surface A, which sees all of them.
+    pub(crate) fn receiver(index: usize) -> Result<Receiver<f32>, Error> {
+        let [x, y] = place(index).map(|t| 2.5 * t);
+        Receiver::new::<SoftRoot>([x, y, 0.0], [0.0, 0.0, 1.0])
+    }
+
+    /// The classical form factor, Σ cos cos' ΔA/(π r² + ΔA), with what the
+    /// method asks of it and nothing else: one division a sample, no ray.
+    #[inline(always)]
+    pub(crate) fn form_factor(&self, receiver: &Receiver<f32>) -> f32 {
+        let (position, normal) = (receiver.position(), receiver.normal());
+        let mut sum = 0.0;
+        for &place in self.places.iter().take(self.count) {
+            let towards = Vector::from(place) - position;
+            let square = towards.norm_squared();
+            let (here, there) = (normal.dot(towards), -self.facing.dot(towards));
+            if here > 0.0 && there > 0.0 {
+                let disc = core::f32::consts::PI * square + self.area;
+                sum += here * there * self.area / (square * disc);
+            }
+        }
+        sum
+    }
+}
