@@ -92,7 +92,7 @@ fn scene(planned: &Planned) -> Result<Vec<Row>, Error> {
             Rung::Best.name().to_owned(),
             "fpu".to_owned(),
             planned.scene.name.clone(),
-            planned.tables.samples.to_string(),
+            planned.plan.samples().to_string(),
         ],
         calls: 1,
         mean: instructions as f64,

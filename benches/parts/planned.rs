@@ -5,12 +5,10 @@ use isolux_host::plan::{self, Plan};
 use isolux_host::reference::{Reference, Reflections};
 use isolux_host::scene::{Scene, file, shipped};
 
-/// A scene with its plan and its tables, and the light they follow.
+/// A scene with its plan and its tables.
 pub(crate) struct Planned {
     /// The scene.
     pub(crate) scene: Scene,
-    /// Exact light, reflected at most once.
-    pub(crate) once: Reference,
     /// Where its samples are.
     pub(crate) plan: Plan,
     /// What the device reads.
@@ -27,15 +25,19 @@ pub(crate) fn scenes() -> Vec<Planned> {
 
 fn planned(name: &str, source: &str) -> Planned {
     let scene = file::parse(name, source).expect("a shipped scene is sound");
-    let once = Reference::new(&scene, Reflections::AtMost(1), &mut |_| {})
-        .expect("a shipped scene has a reference");
+    let once = reference(&scene);
     let field = |places: &[_]| once.irradiance_at(places);
     let plan = plan::isolux(&scene, &scene.budget, &field).expect("a shipped scene has a plan");
     let tables = bake::bake(&scene, &plan).expect("a shipped scene fits the tables");
     Planned {
         scene,
-        once,
         plan,
         tables,
     }
+}
+
+/// Exact light, reflected at most once: what the samples follow.
+pub(crate) fn reference(scene: &Scene) -> Reference {
+    Reference::new(scene, Reflections::AtMost(1), &mut |_| {})
+        .expect("a shipped scene has a reference")
 }

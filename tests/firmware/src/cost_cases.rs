@@ -1,7 +1,8 @@
-//! The operations whose cost is measured, on the device and on the host: the
+//! The form factors whose cost is measured, on the device and on the host: the
 //! same numbers in the same order, so that instructions and nanoseconds speak
 //! of the same work and the answers can be compared.
 
+use crate::cost_samples::place;
 use isolux::Error;
 use isolux::geometry::{Receiver, Vector};
 use isolux::number::SoftRoot;
@@ -30,12 +31,6 @@ pub(crate) const CASES: [Case; 4] = [
 /// Vertices of the emitters.
 pub(crate) const VERTICES: [usize; 3] = [3, 4, 8];
 
-/// Receivers of every emitter.
-pub(crate) const RECEIVERS: usize = ROWS * ROWS;
-
-/// Receivers along each side of their square.
-const ROWS: usize = 6;
-
 /// cos 45°.
 const DIAGONAL: f32 = core::f32::consts::FRAC_1_SQRT_2;
 
@@ -60,16 +55,6 @@ const fn case(name: &'static str, radius: f32, clipped: bool) -> Case {
         radius,
         clipped,
     }
-}
-
-/// Where on the square the receiver `index` is, −1 to 1: shifted a little off
-/// the symmetries.
-fn place(index: usize) -> [f32; 2] {
-    let coordinate = |step: usize| 0.36 * step as f32 - 0.9;
-    [
-        coordinate(index % ROWS) + 0.047,
-        coordinate(index / ROWS % ROWS) + 0.031,
-    ]
 }
 
 impl Case {
@@ -102,60 +87,5 @@ impl Case {
             [0.1, -0.05, 1.0]
         };
         Receiver::new::<SoftRoot>([x, y, 0.0], normal)
-    }
-}
-
-/// Samples on an emitter, as the classical method has them: each is a disc of
-/// the area it stands for.
-pub(crate) struct Samples {
-    places: [[f32; 3]; Self::MOST],
-    count: usize,
-    facing: Vector<f32>,
-    area: f32,
-}
-
-impl Samples {
-    /// Samples on the paper's light source.
-    pub(crate) const MOST: usize = 400;
-
-    /// `side` × `side` samples on the 3 m × 3 m light of the paper's scene;
-    /// at most [`Samples::MOST`].
-    pub(crate) fn on_the_light(side: usize) -> Self {
-        let step = 3.0 / side as f32;
-        let mut places = [[0.0; 3]; Self::MOST];
-        for (index, place) in places.iter_mut().enumerate().take(side * side) {
-            let centre = |number: usize| (number as f32 + 0.5) * step;
-            *place = [centre(index % side) - 0.3, centre(index / side) - 1.5, 2.2];
-        }
-        Self {
-            places,
-            count: side * side,
-            facing: Vector::from([0.0, 0.0, -1.0]),
-            area: step * step,
-        }
-    }
-
-    /// A receiver on the paper's surface A, which sees all of them.
-    pub(crate) fn receiver(index: usize) -> Result<Receiver<f32>, Error> {
-        let [x, y] = place(index).map(|t| 2.5 * t);
-        Receiver::new::<SoftRoot>([x, y, 0.0], [0.0, 0.0, 1.0])
-    }
-
-    /// The classical form factor, Σ cos cos' ΔA/(π r² + ΔA), with what the
-    /// method asks of it and nothing else: one division a sample, no ray.
-    #[inline(always)]
-    pub(crate) fn form_factor(&self, receiver: &Receiver<f32>) -> f32 {
-        let (position, normal) = (receiver.position(), receiver.normal());
-        let mut sum = 0.0;
-        for &place in self.places.iter().take(self.count) {
-            let towards = Vector::from(place) - position;
-            let square = towards.norm_squared();
-            let (here, there) = (normal.dot(towards), -self.facing.dot(towards));
-            if here > 0.0 && there > 0.0 {
-                let disc = core::f32::consts::PI * square + self.area;
-                sum += here * there * self.area / (square * disc);
-            }
-        }
-        sum
     }
 }

@@ -11,7 +11,8 @@ use isolux::number::SoftRoot;
 use semihosting::process;
 
 use crate::clock::Clock;
-use crate::cost_cases::{CASES, Case, RECEIVERS, Samples, VERTICES};
+use crate::cost_cases::{CASES, Case, VERTICES};
+use crate::cost_samples::{RECEIVERS, Samples};
 use crate::meter::{Cost, Meter};
 use crate::root::Chosen;
 
