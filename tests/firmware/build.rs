@@ -43,7 +43,9 @@ fn main() {
     for argument in ["--nmagic", "-Tlink.x"] {
         println!("cargo::rustc-link-arg-bins={argument}");
     }
-    println!("cargo::rustc-link-arg-bin=firmware=-Tdefmt.x");
+    for logging in ["firmware", "cost"] {
+        println!("cargo::rustc-link-arg-bin={logging}=-Tdefmt.x");
+    }
     match job() {
         Ok(source) => fs::write(out.join("job.rs"), source).expect("OUT_DIR is writable"),
         Err(message) => println!("cargo::error={message}"),

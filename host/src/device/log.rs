@@ -50,25 +50,50 @@ pub(crate) struct Step {
 
 /// Decodes a console with the string table of the program that wrote it.
 pub(crate) fn read(program: &[u8], console: &[u8]) -> Result<Log, Error> {
+    let mut log = Log::default();
+    lines(program, console, |line| match line {
+        Line::Error(line) => {
+            log.errors.push(line);
+            Ok(())
+        }
+        Line::Message(line) => log.take(&line),
+    })?;
+    Ok(log)
+}
+
+/// One line of a console.
+pub(crate) enum Line {
+    /// Of level `error`.
+    Error(String),
+    /// Of any other level.
+    Message(String),
+}
+
+/// Hands over the lines of a console, up to a frame that is cut short: the
+/// firmware died in it, and its last line is missing.
+pub(crate) fn lines(
+    program: &[u8],
+    console: &[u8],
+    mut take: impl FnMut(Line) -> Result<(), Error>,
+) -> Result<(), Error> {
     let broken = |what: String| Error::Log { what };
     let table = Table::parse(program)
         .map_err(|error| broken(error.to_string()))?
         .ok_or_else(|| broken("the program has no .defmt section".to_owned()))?;
-    let mut log = Log::default();
     let mut rest = console;
     loop {
         match table.decode(rest) {
             Ok((frame, consumed)) => {
                 let line = frame.display_message().to_string();
-                if frame.level().is_some_and(|level| level.as_str() == "error") {
-                    log.errors.push(line);
+                let error = frame.level().is_some_and(|level| level.as_str() == "error");
+                take(if error {
+                    Line::Error(line)
                 } else {
-                    log.take(&line)?;
-                }
+                    Line::Message(line)
+                })?;
                 rest = rest.get(consumed..).unwrap_or_default();
             }
-            // A frame cut short: the firmware died in it, and `end` is missing.
-            Err(DecodeError::UnexpectedEof) => return Ok(log),
+            Err(DecodeError::UnexpectedEof) => return Ok(()),
             Err(DecodeError::Malformed) => {
                 return Err(broken("a malformed frame".to_owned()));
             }
@@ -107,21 +132,32 @@ impl Log {
                 self.unshot = unshot.parse().map_err(|_| unread())?;
             }
             ["end", "values", count] => self.ended = Some(count.parse().map_err(|_| unread())?),
-            ["cross-check", "timer", timer, "systick", systick] => {
-                let timer: u64 = timer.parse().map_err(|_| unread())?;
-                let systick: u64 = systick.parse().map_err(|_| unread())?;
-                if timer.abs_diff(systick) > CLOCKS_APART {
-                    return Err(Error::Log {
-                        what: format!(
-                            "its two clocks disagree, {timer} and {systick} instructions of one span"
-                        ),
-                    });
-                }
-            }
+            ["cross-check", ..] => clocks(line)?,
             _ => return Err(unread()),
         }
         Ok(())
     }
+}
+
+/// Takes the line in which the firmware's two clocks speak of one span.
+pub(crate) fn clocks(line: &str) -> Result<(), Error> {
+    let unread = || Error::Log {
+        what: format!("the line \"{line}\""),
+    };
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let ["cross-check", "timer", timer, "systick", systick] = *words.as_slice() else {
+        return Err(unread());
+    };
+    let timer: u64 = timer.parse().map_err(|_| unread())?;
+    let systick: u64 = systick.parse().map_err(|_| unread())?;
+    if timer.abs_diff(systick) > CLOCKS_APART {
+        return Err(Error::Log {
+            what: format!(
+                "its two clocks disagree, {timer} and {systick} instructions of one span"
+            ),
+        });
+    }
+    Ok(())
 }
 
 /// The 32-bit words in a printed list of bytes.

@@ -16,6 +16,7 @@
 //! `thumbv7em-none-eabihf` and the component `llvm-tools`, and
 //! `qemu-system-arm`; what is missing is an error that says how to install it.
 
+mod cost;
 mod emulator;
 mod error;
 mod firmware;
@@ -24,6 +25,7 @@ mod measured;
 mod size;
 pub mod stack;
 
+pub use cost::{Cost, costs};
 pub use emulator::Core;
 pub use error::Error;
 pub use firmware::Toolchain;
