@@ -45,19 +45,27 @@ fn beyond(places: &[Place<f64>]) -> Vec<Place<f64>> {
     places.iter().map(turned).collect()
 }
 
-/// Every edge that a walk hands over, with its kind.
-#[derive(Default)]
-struct Kept(Vec<(char, Place<f64>, Place<f64>)>);
+/// Keeps every edge that a walk hands over, with its kind.
+struct Keep;
 
-impl Edges<f64, Place<f64>> for Kept {
-    fn whole(&mut self, from: &Place<f64>, to: &Place<f64>) {
-        self.0.push(('w', *from, *to));
+type Kept = Vec<(char, Place<f64>, Place<f64>)>;
+
+impl Edges<f64, Place<f64>> for Keep {
+    type Sum = Kept;
+
+    fn whole(&self, mut kept: Kept, from: Place<f64>, to: Place<f64>) -> Kept {
+        kept.push(('w', from, to));
+        kept
     }
-    fn cut(&mut self, from: &Place<f64>, to: &Place<f64>) {
-        self.0.push(('c', *from, *to));
+
+    fn cut(&self, mut kept: Kept, from: Place<f64>, to: Place<f64>) -> Kept {
+        kept.push(('c', from, to));
+        kept
     }
-    fn cap(&mut self, from: &Place<f64>, to: &Place<f64>) {
-        self.0.push(('b', *from, *to));
+
+    fn cap(&self, mut kept: Kept, from: Place<f64>, to: Place<f64>) -> Kept {
+        kept.push(('b', from, to));
+        kept
     }
 }
 
@@ -95,13 +103,12 @@ fn sound(view: &View, most: usize) -> Result<(), TestCaseError> {
 
 fn walked(view: &View) -> Result<(), TestCaseError> {
     let before = places(view);
-    let mut kept = Kept::default();
-    walk(before.iter().copied(), &mut kept);
-    let starts: Vec<Place<f64>> = kept.0.iter().map(|edge| edge.1).collect();
+    let kept = walk(before.iter().copied(), &Keep, Kept::new());
+    let starts: Vec<Place<f64>> = kept.iter().map(|edge| edge.1).collect();
     prop_assert_eq!(starts, clipped(&before));
-    for (index, (kind, from, to)) in kept.0.iter().enumerate() {
+    for (index, (kind, from, to)) in kept.iter().enumerate() {
         // Edges join: each ends where the next begins.
-        let next = &kept.0[(index + 1) % kept.0.len()];
+        let next = &kept[(index + 1) % kept.len()];
         prop_assert_eq!(*to, next.1);
         let on = |place: &Place<f64>| place.height == 0.0;
         match kind {

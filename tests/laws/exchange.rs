@@ -137,12 +137,12 @@ proptest! {
             heights.clone().any(|h| h > 0.0) && heights.clone().any(|h| h <= 0.0)
         };
         prop_assume!(!crosses(&a, &b) && !crosses(&b, &a));
-        let (ab, ba) = (exchanged::<Best, f32>(&a, &b, 4), exchanged::<Best, f32>(&b, &a, 4));
+        let (ab, ba) = (exchanged::<Best, f32>(&a, &b, 8), exchanged::<Best, f32>(&b, &a, 8));
         let single = 2.5e-7 * (area(&a) + area(&b)) + 1e-9;
         prop_assert!((ab - ba).abs() <= single, "{ab} {ba}");
-        let (ab, ba) = (exchanged::<Best, f64>(&a, &b, 4), exchanged::<Best, f64>(&b, &a, 4));
+        let (ab, ba) = (exchanged::<Best, f64>(&a, &b, 8), exchanged::<Best, f64>(&b, &a, 8));
         prop_assert!((ab - ba).abs() <= 2e-8 * (area(&a) + area(&b)) + 1e-9, "{ab} {ba}");
-        let (ab, ba) = (exchanged::<Libm, f64>(&a, &b, 4), exchanged::<Libm, f64>(&b, &a, 4));
+        let (ab, ba) = (exchanged::<Libm, f64>(&a, &b, 8), exchanged::<Libm, f64>(&b, &a, 8));
         prop_assert!((ab - ba).abs() <= 1e-8 * (area(&a) + area(&b)) + 1e-9, "{ab} {ba}");
     }
 }
