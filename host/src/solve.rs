@@ -118,11 +118,11 @@ impl Rung {
     }
 }
 
-/// The most samples a solve on the host holds: all that tables can index.
-const SAMPLES: usize = 1 << 16;
+/// The most samples a solve on the host holds: 64 KiB of state.
+const SAMPLES: usize = 1 << 14;
 
 /// The most emitters a solve on the host holds.
-const EMITTERS: usize = 1 << 14;
+const EMITTERS: usize = 1 << 12;
 
 /// A solved scene.
 pub struct Solution<'t> {

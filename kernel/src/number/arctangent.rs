@@ -80,9 +80,12 @@ pub fn residual_arctangent<N: Number>(w: N) -> N {
 }
 
 #[inline(always)]
-fn horner<N: Number, const DEGREE_PLUS_1: usize>(ascending: &[f64; DEGREE_PLUS_1], x: N) -> N {
-    let mut sum = N::ZERO;
-    for &coefficient in ascending.iter().rev() {
+fn horner<N: Number, const TERMS: usize>(ascending: &[f64; TERMS], x: N) -> N {
+    let [lower @ .., highest] = ascending.as_slice() else {
+        return N::ZERO;
+    };
+    let mut sum = N::of(*highest);
+    for &coefficient in lower.iter().rev() {
         sum = sum * x + N::of(coefficient);
     }
     sum
