@@ -46,7 +46,7 @@ impl<F: Format> Corner<F> for Vertex<F> {
     #[inline]
     fn toward(&self, other: &Self, _: F) -> Self {
         let (near, far) = (self.height.to_bits(), other.height.to_bits());
-        let (near, far) = (near.saturating_abs(), far.saturating_abs());
+        let (near, far) = (near.wrapping_abs(), far.wrapping_abs());
         let (a, b) = (words(self.direction), words(other.direction));
         let between = |a, b| product(a, far).wrapping_add(product(b, near));
         Self {
@@ -204,6 +204,12 @@ impl<F: Format> Edges<F, Vertex<F>> for HalfAngle<'_, F> {
     }
 }
 
+/// Bits by which the difference of two coordinates may be shifted: those of
+/// words need it for their directions to be found on the short way.
+const fn room<C>() -> u32 {
+    if size_of::<C>() <= 4 { 29 } else { 0 }
+}
+
 /// Half of Σ γ_i n·unit(v_i × v_{i+1}) over the part of the loop above the
 /// horizon, in units of 2^(−2 `F::FRACTION`).
 pub(super) fn contour<F: Format, C: Coordinate>(
@@ -214,7 +220,8 @@ pub(super) fn contour<F: Format, C: Coordinate>(
     let normal = words(receiver.normal);
     let corners = outline.iter().map(|&vertex| {
         let place = vertex.map(Into::into);
-        let direction = unit(difference(place, receiver.position));
+        let to = difference(place, receiver.position).map(|along| along.wrapping_shl(room::<C>()));
+        let direction = unit(to);
         let height = F::from_bits(narrow::<F>(dot(normal, words(direction))));
         Vertex { direction, height }
     });

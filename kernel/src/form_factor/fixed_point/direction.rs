@@ -3,13 +3,13 @@
 use super::{Format, reciprocal_root};
 use crate::geometry::Vector;
 
-/// a − b, saturated.
+/// a − b.
 #[inline(always)]
 pub(super) fn difference(a: [i64; 3], b: [i64; 3]) -> [i64; 3] {
     [
-        a[0].saturating_sub(b[0]),
-        a[1].saturating_sub(b[1]),
-        a[2].saturating_sub(b[2]),
+        a[0].wrapping_sub(b[0]),
+        a[1].wrapping_sub(b[1]),
+        a[2].wrapping_sub(b[2]),
     ]
 }
 
@@ -34,11 +34,34 @@ pub(super) fn coarse(vector: [i64; 3]) -> [i32; 3] {
     wide(vector).map(|word| word >> 1)
 }
 
-/// As [`coarse`], to 31 bits and a sign.
+/// As [`coarse`], to 31 bits and a sign; −2^31 may occur.
 #[inline(always)]
 fn wide(vector: [i64; 3]) -> [i32; 3] {
-    let [x, y, z] = vector.map(i64::unsigned_abs);
-    let shift = (x | y | z).leading_zeros().saturating_sub(1);
+    let upper = (largest(vector) >> 32) as u32;
+    if upper == 0 {
+        return small(vector);
+    }
+    // Nothing but the sign is left before the first bit.
+    let shift = upper.leading_zeros().saturating_sub(1) & 31;
+    vector.map(|coordinate| {
+        let (upper, lower) = ((coordinate >> 32) as i32, coordinate as u32);
+        // In two steps: a shift by 32 is none.
+        (upper << shift) | ((lower >> 1) >> (31 - shift)) as i32
+    })
+}
+
+/// A number with as many bits as the largest coordinate; of −2^k as of
+/// 2^k − 1, which two's complement holds in as many.
+#[inline(always)]
+fn largest([x, y, z]: [i64; 3]) -> u64 {
+    ((x ^ (x >> 63)) | (y ^ (y >> 63)) | (z ^ (z >> 63))) as u64
+}
+
+/// [`wide`] of a vector whose coordinates fit in 32 bits and a sign.
+#[cold]
+#[inline(never)]
+fn small(vector: [i64; 3]) -> [i32; 3] {
+    let shift = largest(vector).leading_zeros().saturating_sub(1);
     vector.map(|coordinate| (coordinate.wrapping_shl(shift) >> 32) as i32)
 }
 
@@ -48,12 +71,17 @@ fn wide(vector: [i64; 3]) -> [i32; 3] {
 #[inline(always)]
 pub(super) fn unit<F: Format>(vector: [i64; 3]) -> Vector<F> {
     let vector = wide(vector);
-    // From 2^60 up to 3 · 2^62, unless the vector is 0.
+    // From 2^60 up to 3 · 2^62, unless the vector is 0. Its root wants the
+    // upper word of an even power of two times it.
     let squared = dot(vector, vector) as u64;
-    let even = squared.leading_zeros() & 2;
-    let root = reciprocal_root((squared.wrapping_shl(even) >> 32) as u32);
-    // vector/|vector| = vector root 2^(even/2 − 64), a 32-bit shift from `F`.
-    let factor = (root >> (31 - F::FRACTION).wrapping_sub(even / 2)) as i32;
+    let upper = (squared >> 32) as u32;
+    let (square, shift) = if upper < 1 << 30 {
+        ((squared >> 30) as u32, 29)
+    } else {
+        (upper, 30)
+    };
+    // vector/|vector| is the vector times this, a 32-bit shift from `F`.
+    let factor = reciprocal_root(square) >> (shift - F::FRACTION);
     let [x, y, z] = vector.map(|word| {
         let scaled = product(word, factor).wrapping_add(1 << 31) >> 32;
         F::from_bits(scaled as i32)
