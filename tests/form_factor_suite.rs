@@ -14,9 +14,11 @@
 //! point to a vertex, h its distance to the nearest edge. `--nocapture` prints
 //! the table of what was measured.
 
+use isolux::form_factor::fixed_point::{Q24, Q29};
 use isolux::form_factor::{Arithmetic, Best, Libm, Outline, form_factor, of_loops};
 use isolux::geometry::{Plane, Receiver};
 use isolux::number::{Number, SoftRoot};
+use isolux_host::solve::fixed_form_factor;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -72,11 +74,13 @@ struct Allowed {
 const CEILING: f64 = 2e-2;
 
 /// The rungs, with half an ulp of 1 of their number.
-const RUNGS: [(&str, f64); 4] = [
+const RUNGS: [(&str, f64); 6] = [
     ("best f32", SINGLE),
     ("libm f32", SINGLE),
     ("best f64", DOUBLE),
     ("libm f64", DOUBLE),
+    ("q24", 1.0 / (1_u32 << 25) as f64),
+    ("q29", 1.0 / (1_u32 << 30) as f64),
 ];
 const SINGLE: f64 = f32::EPSILON as f64 / 2.0;
 const DOUBLE: f64 = f64::EPSILON / 2.0;
@@ -114,7 +118,7 @@ fn single(v: [f64; 3]) -> [f32; 3] {
 }
 
 /// The answers of all rungs, in the order of [`RUNGS`].
-fn answers(p: [f64; 3], n: [f64; 3], v: &[[f64; 3]]) -> [f64; 4] {
+fn answers(p: [f64; 3], n: [f64; 3], v: &[[f64; 3]]) -> [f64; 6] {
     let vertices: Vec<[f32; 3]> = v.iter().map(|&v| single(v)).collect();
     let r32 = Receiver::new::<SoftRoot>(single(p), single(n)).expect("a receiver");
     let r64 = Receiver::new::<SoftRoot>(p, n).expect("a receiver");
@@ -123,6 +127,12 @@ fn answers(p: [f64; 3], n: [f64; 3], v: &[[f64; 3]]) -> [f64; 4] {
         f64::from(form_factor::<Libm, f32>(&r32, &vertices)),
         form_factor::<Best, f64>(&r64, v),
         form_factor::<Libm, f64>(&r64, v),
+        fixed_form_factor::<Q24>(single(p), single(n), &vertices)
+            .expect("a receiver")
+            .into(),
+        fixed_form_factor::<Q29>(single(p), single(n), &vertices)
+            .expect("a receiver")
+            .into(),
     ]
 }
 
@@ -217,14 +227,16 @@ fn a_small_triangle_with_a_long_edge_stays_in_the_domain_of_its_fit() {
     for first in 0..3 {
         let mut turned = triangle;
         turned.rotate_left(first);
-        let [best, libm, best_f64, libm_f64] = answers(p, n, &turned);
+        let [best, libm, best_f64, libm_f64, q24, q29] = answers(p, n, &turned);
         assert!((best - exact).abs() <= 2.5e-7, "{best} {exact}");
         assert!((libm - exact).abs() <= 4e-7, "{libm} {exact}");
         assert!((best_f64 - exact).abs() <= 2e-8, "{best_f64} {exact}");
         assert!((libm_f64 - exact).abs() <= 1e-12, "{libm_f64} {exact}");
+        assert!((q24 - exact).abs() <= 5e-6, "{q24} {exact}");
+        assert!((q29 - exact).abs() <= 5e-8, "{q29} {exact}");
         // Seen from behind, there is no light.
         turned.reverse();
-        assert_eq!(answers(p, n, &turned), [0.0; 4]);
+        assert_eq!(answers(p, n, &turned), [0.0; 6]);
     }
 }
 

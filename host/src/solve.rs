@@ -6,6 +6,7 @@
 
 use crate::bake::Tables;
 use isolux::Error;
+use isolux::form_factor::fixed_point::{self, Format, Scale};
 use isolux::form_factor::{Arithmetic, Best, Libm, Micromath, Poly3, Poly5, Poly8, form_factor};
 use isolux::geometry::Receiver;
 use isolux::number::Root;
@@ -116,6 +117,48 @@ impl Rung {
         let receiver = Receiver::new::<HostRoot>(position, normal)?;
         Ok(with_rung!(self, Kernel => form_factor::<Kernel, f32>(&receiver, vertices)))
     }
+}
+
+/// What a form factor by itself can be computed with: every rung of scenes, and
+/// the integer ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FormFactorRung {
+    /// A rung that scenes are solved with.
+    Float(Rung),
+    /// [`Q24`](fixed_point::Q24).
+    Q24,
+    /// [`Q29`](fixed_point::Q29).
+    Q29,
+}
+
+impl FormFactorRung {
+    /// The rung of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        match name {
+            "q24" => Some(Self::Q24),
+            "q29" => Some(Self::Q29),
+            name => Rung::named(name).map(Self::Float),
+        }
+    }
+}
+
+/// The form factor of a polygon in integers, as a core without FPU computes
+/// it; both its scale and everything after are the kernel's.
+///
+/// # Errors
+/// [`Error::Receiver`] where position or normal are no receiver, or a vertex is
+/// not finite.
+pub fn fixed_form_factor<F: Format>(
+    position: [f32; 3],
+    normal: [f32; 3],
+    vertices: &[[f32; 3]],
+) -> Result<F, Error> {
+    let places = vertices.iter().flatten().chain(&position);
+    let scale = Scale::of(places.copied()).ok_or(Error::Receiver)?;
+    let normal = Scale::of(normal).ok_or(Error::Receiver)?.place(normal);
+    let receiver = fixed_point::Receiver::<F>::new(scale.place(position), normal)?;
+    let vertices: Vec<[i64; 3]> = vertices.iter().map(|&v| scale.place(v)).collect();
+    Ok(fixed_point::form_factor(&receiver, &vertices))
 }
 
 /// The most samples a solve on the host holds: 64 KiB of state.

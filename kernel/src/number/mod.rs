@@ -9,6 +9,9 @@
 //! correctly rounded, so the bits are the same.
 
 mod arctangent;
+#[cfg(feature = "fixed")]
+#[cfg_attr(docsrs, doc(cfg(feature = "fixed")))]
+pub mod fixed_point;
 
 pub use arctangent::{residual_arctangent, scaled_arctangent};
 

@@ -5,6 +5,7 @@ use core::hint::black_box;
 use cortex_m as _; // its critical section
 use defmt_semihosting as _; // the global logger
 use isolux::Error;
+use isolux::form_factor::fixed_point::{self, Format, Q24, Q29};
 use isolux::form_factor::{Best, Libm, Outline, of_loops};
 use isolux::geometry::{Plane, Receiver};
 use isolux::number::SoftRoot;
@@ -45,6 +46,27 @@ const ENTRIES: [(&str, &str, bool, Entry); 4] = [
     ("libm", "fpu", true, libm_fpu),
     ("libm", "libm", false, libm_libm),
 ];
+
+/// A form factor in integers, with the emitter's plane known.
+type FixedEntry<F> = fn(&fixed_point::Receiver<F>, &fixed_point::Plane, &[[i64; 3]]) -> F;
+
+#[inline(never)]
+fn q24(
+    receiver: &fixed_point::Receiver<Q24>,
+    plane: &fixed_point::Plane,
+    outline: &[[i64; 3]],
+) -> Q24 {
+    fixed_point::of_loops(receiver, plane, core::iter::once(outline))
+}
+
+#[inline(never)]
+fn q29(
+    receiver: &fixed_point::Receiver<Q29>,
+    plane: &fixed_point::Plane,
+    outline: &[[i64; 3]],
+) -> Q29 {
+    fixed_point::of_loops(receiver, plane, core::iter::once(outline))
+}
 
 /// The plane and the reach of an emitter that is given by its vertices alone.
 #[inline(never)]
@@ -127,6 +149,9 @@ fn run() -> Result<(), Error> {
                 form_factors(&meter, case, vertices, entry)?;
                 lines += 1;
             }
+            fixed_form_factors(&meter, case, vertices, ("q24", q24))?;
+            fixed_form_factors(&meter, case, vertices, ("q29", q29))?;
+            lines += 2;
         }
     }
     for side in [4, 20] {
@@ -161,6 +186,25 @@ fn form_factors(
         account.add(meter.measure(|| entry(&receiver, &plane, &outline)));
     }
     account.log(["form-factor", rung, root, case.name], vertices);
+    Ok(())
+}
+
+fn fixed_form_factors<F: Format>(
+    meter: &Meter,
+    case: &Case,
+    vertices: usize,
+    (rung, entry): (&str, FixedEntry<F>),
+) -> Result<(), Error> {
+    let entry = black_box(entry);
+    let mut account = Account::default();
+    for index in 0..RECEIVERS {
+        let (corners, receiver) = case.fixed::<F>(vertices, index)?;
+        let corners = &corners[..vertices];
+        let plane = fixed_point::Plane::of_polygon(corners);
+        let (answer, cost) = meter.measure(|| entry(&receiver, &plane, corners));
+        account.add((answer.to_bits() as f32, cost));
+    }
+    account.log(["form-factor", rung, "-", case.name], vertices);
     Ok(())
 }
 
