@@ -1,7 +1,7 @@
 //! Vectors, planes, the receiver of light.
 
 use crate::Error;
-use crate::number::{Number, Root, difference_of_products};
+use crate::number::{Floating, Number, Root, difference_of_products};
 use core::ops::{Add, Mul, Sub};
 
 /// A vector or a place in space, in metres where it is a place.
@@ -40,6 +40,20 @@ impl<N: Number> Vector<N> {
         }
     }
 
+    /// |a|².
+    #[inline(always)]
+    pub fn norm_squared(self) -> N {
+        self.dot(self)
+    }
+
+    /// No coordinate is infinite or NaN.
+    #[inline]
+    pub fn is_finite(self) -> bool {
+        self.x.is_finite() && self.y.is_finite() && self.z.is_finite()
+    }
+}
+
+impl<N: Floating> Vector<N> {
     /// a×b with every coordinate to within two roundings of itself, also where
     /// a and b are nearly parallel. 120 operations.
     #[inline]
@@ -65,18 +79,6 @@ impl<N: Number> Vector<N> {
             y: rest(self.y, other.y),
             z: rest(self.z, other.z),
         }
-    }
-
-    /// |a|².
-    #[inline(always)]
-    pub fn norm_squared(self) -> N {
-        self.dot(self)
-    }
-
-    /// No coordinate is infinite or NaN.
-    #[inline]
-    pub fn is_finite(self) -> bool {
-        self.x.is_finite() && self.y.is_finite() && self.z.is_finite()
     }
 }
 

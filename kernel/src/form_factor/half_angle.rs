@@ -25,7 +25,7 @@
 use super::Outline;
 use crate::clip::{self, Corner, Edges};
 use crate::geometry::{Receiver, Vector};
-use crate::number::{Number, Root, scaled_arctangent};
+use crate::number::{Floating, Number, Root, scaled_arctangent};
 use core::marker::PhantomData;
 
 /// Squared sine below which an edge past 90° is summed with care: beyond 165°,
@@ -85,7 +85,7 @@ struct HalfAngle<const DEGREE: usize, N, R> {
     root: PhantomData<R>,
 }
 
-impl<const DEGREE: usize, N: Number, R: Root<N>> HalfAngle<DEGREE, N, R> {
+impl<const DEGREE: usize, N: Floating, R: Root<N>> HalfAngle<DEGREE, N, R> {
     /// γ n·c/|c|, or `None` towards 180°, where the receiver is close to the
     /// edge, c is a small difference of large products, and its direction is
     /// what counts.
@@ -156,7 +156,7 @@ impl<const DEGREE: usize, N: Number, R: Root<N>> HalfAngle<DEGREE, N, R> {
     }
 }
 
-impl<'a, const DEGREE: usize, N: Number, R: Root<N>> Edges<N, Vertex<'a, N, R>>
+impl<'a, const DEGREE: usize, N: Floating, R: Root<N>> Edges<N, Vertex<'a, N, R>>
     for HalfAngle<DEGREE, N, R>
 {
     type Sum = N;
@@ -200,7 +200,7 @@ impl<'a, const DEGREE: usize, N: Number, R: Root<N>> Edges<N, Vertex<'a, N, R>>
     }
 }
 
-impl<const DEGREE: usize, N: Number, R: Root<N> + Copy> HalfAngle<DEGREE, N, R> {
+impl<const DEGREE: usize, N: Floating, R: Root<N> + Copy> HalfAngle<DEGREE, N, R> {
     #[inline(always)]
     fn vertex<'a>(&self, vertex: &'a [N; 3]) -> Vertex<'a, N, R> {
         let position = Vector::from(*vertex) - self.place;
@@ -239,7 +239,7 @@ impl<const DEGREE: usize, N: Number, R: Root<N> + Copy> HalfAngle<DEGREE, N, R> 
 
 /// Σ γ_i n·unit(v_i × v_{i+1}) over the part of the loop above the horizon.
 #[inline]
-pub(super) fn contour<const DEGREE: usize, N: Number, R: Root<N> + Copy>(
+pub(super) fn contour<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
     receiver: &Receiver<N>,
     facing: Vector<N>,
     outline: &Outline<'_, N>,

@@ -38,9 +38,6 @@ pub trait Number:
     const ONE: Self;
     /// π, rounded to nearest.
     const PI: Self;
-    /// 2^⌈p/2⌉ + 1 for a significand of p bits: times this, a number splits into
-    /// two halves whose products are exact (Veltkamp 1968).
-    const SPLITTER: Self;
 
     /// The nearest number to a constant of a formula.
     fn of(constant: f64) -> Self;
@@ -49,14 +46,16 @@ pub trait Number:
     fn is_finite(self) -> bool;
 
     /// |x|. Exact.
-    fn abs(self) -> Self;
+    #[inline]
+    fn abs(self) -> Self {
+        if self < Self::ZERO { -self } else { self }
+    }
 }
 
 impl Number for f32 {
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
     const PI: Self = core::f32::consts::PI;
-    const SPLITTER: Self = 4097.0;
 
     #[inline(always)]
     fn of(constant: f64) -> Self {
@@ -78,7 +77,6 @@ impl Number for f64 {
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
     const PI: Self = core::f64::consts::PI;
-    const SPLITTER: Self = 134_217_729.0;
 
     #[inline(always)]
     fn of(constant: f64) -> Self {
@@ -96,20 +94,35 @@ impl Number for f64 {
     }
 }
 
+/// A floating-point number: its products can be taken exactly in two parts.
+pub trait Floating: Number {
+    /// 2^⌈p/2⌉ + 1 for a significand of p bits: times this, a number splits into
+    /// two halves whose products are exact (Veltkamp 1968).
+    const SPLITTER: Self;
+}
+
+impl Floating for f32 {
+    const SPLITTER: Self = 4097.0;
+}
+
+impl Floating for f64 {
+    const SPLITTER: Self = 134_217_729.0;
+}
+
 /// a b − c d to within two roundings of the result, however much of it cancels.
 ///
 /// Both products are taken exactly, as a sum of two numbers (Dekker 1971), for
 /// magnitudes between 2⁻⁵⁰ and 2⁵⁰ in `f32`. 40 operations, none of them fused:
 /// the device has no fused operation that is not emulated. Never panics.
 #[inline]
-pub fn difference_of_products<N: Number>(a: N, b: N, c: N, d: N) -> N {
+pub fn difference_of_products<N: Floating>(a: N, b: N, c: N, d: N) -> N {
     let ((ab, ab_rest), (cd, cd_rest)) = (exact_product(a, b), exact_product(c, d));
     (ab - cd) + (ab_rest - cd_rest)
 }
 
 /// The rounded product and what rounding took from it.
 #[inline]
-fn exact_product<N: Number>(a: N, b: N) -> (N, N) {
+fn exact_product<N: Floating>(a: N, b: N) -> (N, N) {
     let halves = |x: N| {
         let scaled = x * N::SPLITTER;
         let high = scaled - (scaled - x);

@@ -172,7 +172,7 @@ impl<F: Format> Edges<F, Vertex<F>> for HalfAngle<'_, F> {
     }
 
     #[inline(never)]
-    fn cut(&self, sum: i64, from: Vertex<F>, to: Vertex<F>) -> i64 {
+    fn cut(&self, sum: i64, [from, to]: [Vertex<F>; 2], _: [Vertex<F>; 2]) -> i64 {
         sum.wrapping_add(self.edge(from, to))
     }
 
