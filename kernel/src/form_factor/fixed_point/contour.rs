@@ -143,7 +143,8 @@ impl<F: Format> HalfAngle<'_, F> {
         let d = dot(a, b);
         let c = cross(a, b);
         if d < 0 {
-            return self.beyond_a_right_angle(c, d);
+            let [x, y, z] = c;
+            return self.beyond_a_right_angle(x, y, z, d);
         }
         let cosine = cosine::<F>(d);
         let inverse = reciprocal(ONE.wrapping_add(cosine)); // 2^−31
@@ -153,9 +154,12 @@ impl<F: Format> HalfAngle<'_, F> {
         product(sine, per_sine as i32)
     }
 
+    /// The coordinates of a×b come one by one so that the usual way need not
+    /// put them in memory.
     #[cold]
     #[inline(never)]
-    fn beyond_a_right_angle(&self, c: [i64; 3], d: i64) -> i64 {
+    fn beyond_a_right_angle(&self, x: i64, y: i64, z: i64, d: i64) -> i64 {
+        let c = [x, y, z];
         let axis = words(unit::<F>(c));
         let sine = dot(axis, c.map(narrow::<F>)).unsigned_abs() >> (2 * F::FRACTION - 30);
         let along = narrow::<F>(dot(words(self.normal), axis));
