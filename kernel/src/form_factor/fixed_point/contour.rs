@@ -221,17 +221,34 @@ pub(super) fn contour<F: Format, C: Coordinate>(
     plane: &Plane,
     outline: &[[C; 3]],
 ) -> i64 {
-    let normal = words(receiver.normal);
-    let corners = outline.iter().map(|&vertex| {
-        let place = vertex.map(Into::into);
-        let to = difference(place, receiver.position).map(|along| along.wrapping_shl(room::<C>()));
-        let direction = unit(to);
-        let height = F::from_bits(narrow::<F>(dot(normal, words(direction))));
-        Vertex { direction, height }
-    });
+    let corners = Vertices {
+        receiver,
+        rest: outline.iter(),
+    };
     let edges = HalfAngle {
         normal: receiver.normal,
         plane,
     };
     clip::walk(corners, &edges, 0)
+}
+
+/// The vertices of a loop seen from the receiver. A closure would be called
+/// for every vertex; this is compiled into the walk.
+struct Vertices<'a, F, C> {
+    receiver: &'a Receiver<F>,
+    rest: core::slice::Iter<'a, [C; 3]>,
+}
+
+impl<F: Format, C: Coordinate> Iterator for Vertices<'_, F, C> {
+    type Item = Vertex<F>;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Vertex<F>> {
+        let place = self.rest.next()?.map(Into::into);
+        let to = difference(place, self.receiver.position);
+        let direction = unit(to.map(|along| along.wrapping_shl(room::<C>())));
+        let normal = words(self.receiver.normal);
+        let height = F::from_bits(narrow::<F>(dot(normal, words(direction))));
+        Some(Vertex { direction, height })
+    }
 }
