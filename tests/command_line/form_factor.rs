@@ -102,7 +102,12 @@ fn rungs_differ_and_agree() {
     assert!((value(&["--arithmetic", "libm"]) - reference).abs() < 1e-6);
     // The flag comes before the answer: it is checked without a question.
     refused(&ask(&["--arithmetic", "bset"], ""), 2);
-    refused(&ask(&["--arithmetic", "q24"], ""), 1);
+    // The integer rungs: clamped and cut to whole units of 2^−24 and 2^−29.
+    for (rung, bits, error) in [("q24", 24, 5e-6), ("q29", 29, 5e-8)] {
+        let fixed = value(&["--arithmetic", rung]);
+        assert!((fixed - reference).abs() < error, "{rung} {fixed}");
+        assert_eq!((fixed * f64::from(1_u32 << bits)).fract(), 0.0);
+    }
     refused(&ask(&["--arithmetic", "best", "--reference"], ""), 2);
 }
 

@@ -30,6 +30,12 @@
 //!
 //! The errors are absolute, and there is no relative accuracy below F = 1e-6
 //! (1e-4).
+//!
+//! # Cost
+//!
+//! 234 instructions an edge on a Cortex-M4 (`Q24`: 235), its translation and
+//! the horizon's test included, and about 200 a polygon; one division of 32 by
+//! 32 bits an edge, no table.
 
 mod contour;
 mod direction;

@@ -307,7 +307,7 @@ pub fn reciprocal_root(x: u32) -> i32 {
         y as i32
     };
     // What is missing to x y² = 1 is small: keep its digits.
-    let root = (u64::from(x).wrapping_mul(u64::from(y as u32)) >> 31) as u32; // 2^−31
+    let root = upper(x, (y as u32) << 1); // 2^−31
     let product = u64::from(root).wrapping_mul(u64::from(y as u32)); // 2^−61
     let missing = (1_i64 << 61).wrapping_sub(product as i64);
     let missing = (missing.wrapping_add(EXCESS) >> 17) as i32; // 2^−44

@@ -143,7 +143,8 @@ impl<F: Format> HalfAngle<'_, F> {
         let d = dot(a, b);
         let c = cross(a, b);
         if d < 0 {
-            return self.beyond_a_right_angle(c, d);
+            let [x, y, z] = c;
+            return self.beyond_a_right_angle(x, y, z, d);
         }
         let cosine = cosine::<F>(d);
         let inverse = reciprocal(ONE.wrapping_add(cosine)); // 2^−31
@@ -153,9 +154,12 @@ impl<F: Format> HalfAngle<'_, F> {
         product(sine, per_sine as i32)
     }
 
+    /// The coordinates of a×b come one by one so that the usual way need not
+    /// put them in memory.
     #[cold]
     #[inline(never)]
-    fn beyond_a_right_angle(&self, c: [i64; 3], d: i64) -> i64 {
+    fn beyond_a_right_angle(&self, x: i64, y: i64, z: i64, d: i64) -> i64 {
+        let c = [x, y, z];
         let axis = words(unit::<F>(c));
         let sine = dot(axis, c.map(narrow::<F>)).unsigned_abs() >> (2 * F::FRACTION - 30);
         let along = narrow::<F>(dot(words(self.normal), axis));
@@ -217,17 +221,34 @@ pub(super) fn contour<F: Format, C: Coordinate>(
     plane: &Plane,
     outline: &[[C; 3]],
 ) -> i64 {
-    let normal = words(receiver.normal);
-    let corners = outline.iter().map(|&vertex| {
-        let place = vertex.map(Into::into);
-        let to = difference(place, receiver.position).map(|along| along.wrapping_shl(room::<C>()));
-        let direction = unit(to);
-        let height = F::from_bits(narrow::<F>(dot(normal, words(direction))));
-        Vertex { direction, height }
-    });
+    let corners = Vertices {
+        receiver,
+        rest: outline.iter(),
+    };
     let edges = HalfAngle {
         normal: receiver.normal,
         plane,
     };
     clip::walk(corners, &edges, 0)
+}
+
+/// The vertices of a loop seen from the receiver. A closure would be called
+/// for every vertex; this is compiled into the walk.
+struct Vertices<'a, F, C> {
+    receiver: &'a Receiver<F>,
+    rest: core::slice::Iter<'a, [C; 3]>,
+}
+
+impl<F: Format, C: Coordinate> Iterator for Vertices<'_, F, C> {
+    type Item = Vertex<F>;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Vertex<F>> {
+        let place = self.rest.next()?.map(Into::into);
+        let to = difference(place, self.receiver.position);
+        let direction = unit(to.map(|along| along.wrapping_shl(room::<C>())));
+        let normal = words(self.receiver.normal);
+        let height = F::from_bits(narrow::<F>(dot(normal, words(direction))));
+        Some(Vertex { direction, height })
+    }
 }

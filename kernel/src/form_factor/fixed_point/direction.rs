@@ -39,10 +39,11 @@ pub(super) fn coarse(vector: [i64; 3]) -> [i32; 3] {
 fn wide(vector: [i64; 3]) -> [i32; 3] {
     let upper = (largest(vector) >> 32) as u32;
     if upper == 0 {
-        return small(vector);
+        let [x, y, z] = vector;
+        return small(x, y, z);
     }
     // Nothing but the sign is left before the first bit.
-    let shift = upper.leading_zeros().saturating_sub(1) & 31;
+    let shift = upper.leading_zeros().wrapping_sub(1) & 31;
     vector.map(|coordinate| {
         let (upper, lower) = ((coordinate >> 32) as i32, coordinate as u32);
         // In two steps: a shift by 32 is none.
@@ -57,10 +58,12 @@ fn largest([x, y, z]: [i64; 3]) -> u64 {
     ((x ^ (x >> 63)) | (y ^ (y >> 63)) | (z ^ (z >> 63))) as u64
 }
 
-/// [`wide`] of a vector whose coordinates fit in 32 bits and a sign.
+/// [`wide`] of a vector whose coordinates fit in 32 bits and a sign. They come
+/// one by one so that the usual way need not put them in memory.
 #[cold]
 #[inline(never)]
-fn small(vector: [i64; 3]) -> [i32; 3] {
+fn small(x: i64, y: i64, z: i64) -> [i32; 3] {
+    let vector = [x, y, z];
     let shift = largest(vector).leading_zeros().saturating_sub(1);
     vector.map(|coordinate| (coordinate.wrapping_shl(shift) >> 32) as i32)
 }
