@@ -114,7 +114,12 @@ impl Rung {
         vertices: &[[f32; 3]],
     ) -> Result<f32, Error> {
         let receiver = Receiver::new::<HostRoot>(position, normal)?;
-        Ok(with_rung!(self, Kernel => form_factor::<Kernel, f32>(&receiver, vertices)))
+        Ok(self.form_factor_at(&receiver, vertices))
+    }
+
+    /// The form factor of a polygon from a receiver that is one already.
+    pub fn form_factor_at(self, receiver: &Receiver<f32>, vertices: &[[f32; 3]]) -> f32 {
+        with_rung!(self, Kernel => form_factor::<Kernel, f32>(receiver, vertices))
     }
 }
 
