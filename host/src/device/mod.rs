@@ -24,12 +24,14 @@ mod log;
 mod measured;
 mod size;
 pub mod stack;
+mod trace;
 
 pub use cost::{Cost, costs};
 pub use emulator::Core;
 pub use error::Error;
 pub use firmware::Toolchain;
 pub use measured::{Allowed, Difference, Measured, Skipped, Steps, Target};
+pub use trace::{Traced, traces};
 
 use std::fs;
 use std::path::Path;
