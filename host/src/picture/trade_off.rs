@@ -213,23 +213,23 @@ impl<'a> Panel<'a> {
             canvas.stroke(&circle, true, Pen::new(colour, 2.0, 1.0));
         }
         let half = [text::width(&mark.name, BODY) / 2.0, 0.5 * BODY];
-        let place = self.free(&[x, y], half, taken);
+        let (place, far) = self.free(&[x, y], half, taken);
         taken.push(Frame::new(
             place[0] - half[0],
             place[1] - half[1],
             2.0 * half[0],
             2.0 * half[1],
         ));
-        if (place[0] - x).hypot(place[1] - y) > half[0] + 4.0 * RADIUS {
+        if far {
             let end = [place[0], place[1] + half[1].copysign(y - place[1])];
-            canvas.stroke(&[[x, y], end], false, Pen::new(GREY, 1.0, 0.7));
+            canvas.stroke(&[[x, y], end], false, Pen::new(GREY, 1.0, 0.8));
         }
         canvas.text(&mark.name, place, BODY, Anchor::Middle);
     }
 
-    /// The middle of the first free place for a label: nearest rings first,
-    /// to the right first.
-    fn free(&self, mark: &[f32; 2], half: [f32; 2], taken: &[Frame]) -> [f32; 2] {
+    /// The middle of the first free place for a label, to the right first, and
+    /// whether it needs a line to its mark because it is not beside it.
+    fn free(&self, mark: &[f32; 2], half: [f32; 2], taken: &[Frame]) -> ([f32; 2], bool) {
         const TURNS: [[f32; 2]; 8] = [
             [1.0, 0.0],
             [1.0, -1.0],
@@ -244,20 +244,33 @@ impl<'a> Panel<'a> {
             let gap = RADIUS + 7.0 + 13.0 * ring as f32;
             [0, 1].map(|k| mark[k] + turn[k] * (half[k] + gap * if k == 0 { 1.0 } else { 0.8 }))
         };
-        let fits = |at: &[f32; 2]| {
+        let free = |at: [f32; 2]| {
             let frame = Frame::new(
                 at[0] - half[0],
                 at[1] - half[1],
                 2.0 * half[0],
                 2.0 * half[1],
             );
-            self.map.holds(&frame, 2.0) && !taken.iter().any(|other| other.meets(&frame, 2.0))
+            let inside = self.map.holds(&frame, 2.0);
+            inside && !taken.iter().any(|other| other.meets(&frame, 2.0))
         };
-        let rings = (0..10).flat_map(|ring| TURNS.map(|turn| place(ring, turn)));
-        rings
-            .into_iter()
-            .find(fits)
-            .unwrap_or_else(|| place(0, TURNS[0]))
+        // Beside its own mark a label must not be as close to another's.
+        let told_apart = |at: [f32; 2]| {
+            let distance = |mark: [f32; 2]| {
+                let gap = [0, 1].map(|k| ((at[k] - mark[k]).abs() - half[k]).max(0.0));
+                gap[0].hypot(gap[1])
+            };
+            let others = self.marks.iter().map(|other| self.pixel(other));
+            let mut others = others.filter(|other| other != mark);
+            others.all(|other| distance(other) > distance(*mark) + 3.0)
+        };
+        let beside = TURNS.map(|turn| place(0, turn));
+        if let Some(found) = beside.into_iter().find(|&at| free(at) && told_apart(at)) {
+            return (found, false);
+        }
+        let rings = (2..12).flat_map(|ring| TURNS.map(|turn| place(ring, turn)));
+        let found = rings.into_iter().find(|&at| free(at));
+        (found.unwrap_or(beside[0]), true)
     }
 
     fn axes(&self, canvas: &mut Canvas) {

@@ -25,6 +25,9 @@ const PREFIX: &str = "isolux_rung_";
 /// The marker.
 const END: &str = "isolux_rung_end";
 
+/// Instructions by which a counted call may differ from a traced one.
+const CALL: u64 = 8;
+
 /// What calls of a rung's form factor execute.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Traced {
@@ -118,6 +121,16 @@ fn attribute(
             let call = queue.pop_front().ok_or_else(few)?;
             instructions += call.instructions;
             cycles += call.cycles;
+        }
+        // The call itself and its arguments are counted there, not here.
+        let apart = cost.instructions.abs_diff(instructions);
+        if apart > CALL * u64::from(cost.calls) {
+            return Err(Error::Log {
+                what: format!(
+                    "{name} on {}: {instructions} instructions traced, {} counted",
+                    cost.case, cost.instructions
+                ),
+            });
         }
         traced.push(Traced {
             cost,
