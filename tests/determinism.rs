@@ -72,7 +72,7 @@ fn the_cases_are_many_kinds() {
         let answer = answer.expect("a receiver");
         lit += u32::from(answer > 0.0);
         tiny += u32::from(answer > 0.0 && answer < 1e-6);
-        large += u32::from(answer > 0.1);
+        large += u32::from(answer > 0.01);
     }
     assert_eq!(counts, (3..=8).collect());
     assert!(lit > EVALUATIONS / 8, "{lit}");

@@ -221,7 +221,8 @@ impl<'a> Panel<'a> {
             2.0 * half[1],
         ));
         if far {
-            let end = [place[0], place[1] + half[1].copysign(y - place[1])];
+            let near = x.clamp(place[0] - half[0], place[0] + half[0]);
+            let end = [near, place[1] + half[1].copysign(y - place[1])];
             canvas.stroke(&[[x, y], end], false, Pen::new(GREY, 1.0, 0.8));
         }
         canvas.text(&mark.name, place, BODY, Anchor::Middle);
@@ -252,7 +253,7 @@ impl<'a> Panel<'a> {
                 2.0 * half[1],
             );
             let inside = self.map.holds(&frame, 2.0);
-            inside && !taken.iter().any(|other| other.meets(&frame, 2.0))
+            inside && !taken.iter().any(|other| other.meets(&frame, 5.0))
         };
         // Beside its own mark a label must not be as close to another's.
         let told_apart = |at: [f32; 2]| {
@@ -268,7 +269,9 @@ impl<'a> Panel<'a> {
         if let Some(found) = beside.into_iter().find(|&at| free(at) && told_apart(at)) {
             return (found, false);
         }
-        let rings = (2..12).flat_map(|ring| TURNS.map(|turn| place(ring, turn)));
+        // Straight above or below first: short lines that cross nothing.
+        let turns = TURNS.iter().rev().copied();
+        let rings = (2..12).flat_map(|ring| turns.clone().map(move |turn| place(ring, turn)));
         let found = rings.into_iter().find(|&at| free(at));
         (found.unwrap_or(beside[0]), true)
     }

@@ -34,6 +34,15 @@ pub struct SuiteErrors {
     pub classes: Vec<ClassErrors>,
 }
 
+impl SuiteErrors {
+    /// The relative error of tiny emitters by which rungs are ranked: 1 at the
+    /// most, for then no digit is right and more is no worse.
+    #[must_use]
+    pub fn tiny_relative(&self) -> f64 {
+        self.tiny_relative_max.min(1.0)
+    }
+}
+
 /// The cases of every class, in the order of [`CLASSES`].
 pub type Suite = Vec<(&'static str, Vec<Case>)>;
 

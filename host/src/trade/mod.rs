@@ -49,7 +49,7 @@ pub struct FormFactors {
     /// Whether no other rung is both as cheap and as good, by
     /// [`SuiteErrors::max`].
     pub on_front: bool,
-    /// The same by [`SuiteErrors::tiny_relative_max`].
+    /// The same by [`SuiteErrors::tiny_relative`].
     pub on_relative_front: bool,
 }
 
@@ -138,7 +138,7 @@ fn mark(rows: &mut [FormFactors]) {
         front::pareto(&points)
     };
     let absolute = by(|error| error.max, rows);
-    let relative = by(|error| error.tiny_relative_max, rows);
+    let relative = by(SuiteErrors::tiny_relative, rows);
     for ((row, absolute), relative) in rows.iter_mut().zip(absolute).zip(relative) {
         (row.on_front, row.on_relative_front) = (absolute, relative);
     }
