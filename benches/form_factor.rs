@@ -10,6 +10,7 @@ use cost_cases::{CASES, Case, VERTICES};
 use cost_samples::{RECEIVERS, Samples};
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, criterion_group, criterion_main};
+use isolux::form_factor::fixed_point::{self, Format, Q24, Q29};
 use isolux::form_factor::{Arithmetic, Best, Libm, Outline, of_loops};
 use isolux::geometry::{Plane, Receiver};
 use isolux_host::solve::HostRoot;
@@ -17,11 +18,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 /// Time of `calls` calls, each with the next receiver in turn.
-fn in_turn(
-    calls: u64,
-    receivers: &[Receiver<f32>],
-    call: impl Fn(&Receiver<f32>) -> f32,
-) -> Duration {
+fn in_turn<R, F>(calls: u64, receivers: &[R], call: impl Fn(&R) -> F) -> Duration {
     let rounds = calls.div_ceil(RECEIVERS as u64);
     let begun = Instant::now();
     for _ in 0..rounds {
@@ -55,6 +52,24 @@ fn rung<A: Arithmetic<f32>>(group: &mut BenchmarkGroup<'_, WallTime>, case: &Cas
     }
 }
 
+fn fixed_rung<F: Format>(group: &mut BenchmarkGroup<'_, WallTime>, case: &Case) {
+    for vertices in VERTICES {
+        let placed = |index| case.fixed::<F>(vertices, index).expect("a receiver");
+        let receivers: Vec<_> = (0..RECEIVERS).map(|index| placed(index).1).collect();
+        let (corners, _) = placed(0);
+        let corners = &corners[..vertices];
+        let plane = fixed_point::Plane::of_polygon(corners);
+        group.bench_function(BenchmarkId::new(case.name, vertices), |bencher| {
+            bencher.iter_custom(|calls| {
+                in_turn(calls, &receivers, |receiver| {
+                    let outline = black_box(corners);
+                    fixed_point::of_loops(receiver, black_box(&plane), std::iter::once(outline))
+                })
+            });
+        });
+    }
+}
+
 fn form_factors(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("best");
     for case in &CASES {
@@ -64,6 +79,16 @@ fn form_factors(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("libm");
     for case in &CASES {
         rung::<Libm<HostRoot>>(&mut group, case);
+    }
+    group.finish();
+    let mut group = criterion.benchmark_group("q24");
+    for case in &CASES {
+        fixed_rung::<Q24>(&mut group, case);
+    }
+    group.finish();
+    let mut group = criterion.benchmark_group("q29");
+    for case in &CASES {
+        fixed_rung::<Q29>(&mut group, case);
     }
     group.finish();
 }

@@ -16,7 +16,7 @@ mod hash_cases;
 mod hashed;
 
 use isolux_host::device::{self, Core};
-use isolux_host::solve::Rung;
+use isolux_host::solve::FormFactorRung;
 use std::collections::BTreeMap;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -34,7 +34,7 @@ fn main() -> ExitCode {
     }
     let given = arguments.iter().find_map(|argument| argument.parse().ok());
     let evaluations = given.unwrap_or(EVALUATIONS);
-    let host: BTreeMap<String, u64> = Rung::ALL
+    let host: BTreeMap<String, u64> = FormFactorRung::ALL
         .into_iter()
         .map(|rung| (rung.name().to_owned(), hashed::of(rung, evaluations)))
         .collect();
@@ -55,7 +55,7 @@ fn main() -> ExitCode {
     }
     println!("hashes of {evaluations} form factors a rung");
     let mut equal = true;
-    for rung in Rung::ALL {
+    for rung in FormFactorRung::ALL {
         let hashes: Vec<_> = columns
             .iter()
             .map(|(name, hashes)| (name, hashes.get(rung.name())))

@@ -13,7 +13,7 @@ mod hashed;
 
 use hash_cases::{Cases, Hash};
 use isolux_host::device::{self, Core};
-use isolux_host::solve::Rung;
+use isolux_host::solve::{FormFactorRung, Rung};
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
@@ -23,7 +23,7 @@ const EVALUATIONS: u32 = 10_000;
 fn committed() -> BTreeMap<String, u64> {
     let committed = hashed::committed(EVALUATIONS);
     let names: Vec<&str> = committed.keys().map(String::as_str).collect();
-    let mut ladder = Rung::ALL.map(Rung::name);
+    let mut ladder = FormFactorRung::ALL.map(FormFactorRung::name);
     ladder.sort_unstable();
     assert_eq!(names, ladder, "{}", hashed::PATH);
     committed
@@ -32,7 +32,7 @@ fn committed() -> BTreeMap<String, u64> {
 #[test]
 fn the_host_has_the_committed_bits() {
     for (name, hash) in committed() {
-        let rung = Rung::named(&name).expect("a rung");
+        let rung = FormFactorRung::named(&name).expect("a rung");
         assert_eq!(
             format!("{:016x}", hashed::of(rung, EVALUATIONS)),
             format!("{hash:016x}"),
@@ -68,8 +68,12 @@ fn the_cases_are_many_kinds() {
     for _ in 0..EVALUATIONS {
         let case = cases.following();
         counts.insert(case.vertices().len());
-        let answer = Rung::Best.form_factor(case.position, case.normal, case.vertices());
-        let answer = answer.expect("a receiver");
+        let answer = FormFactorRung::Float(Rung::Best).form_factor(
+            case.position,
+            case.normal,
+            case.vertices(),
+        );
+        let (answer, _) = answer.expect("a receiver");
         lit += u32::from(answer > 0.0);
         tiny += u32::from(answer > 0.0 && answer < 1e-6);
         large += u32::from(answer > 0.01);
@@ -84,7 +88,9 @@ fn the_cases_are_many_kinds() {
 fn one_bit_is_another_hash() {
     let hash = |answers: &[f32]| {
         let mut hash = Hash::new();
-        answers.iter().for_each(|&answer| hash.add(answer));
+        answers
+            .iter()
+            .for_each(|answer: &f32| hash.add(answer.to_bits()));
         hash.0
     };
     assert_ne!(hash(&[1.0]), hash(&[1.0 + f32::EPSILON]));

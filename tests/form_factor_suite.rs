@@ -14,10 +14,11 @@
 //! point to a vertex, h its distance to the nearest edge. `--nocapture` prints
 //! the table of what was measured.
 
+use isolux::form_factor::fixed_point::{Q24, Q29};
 use isolux::form_factor::{Arithmetic, Best, Libm, Outline, form_factor, of_loops};
 use isolux::geometry::{Plane, Receiver};
 use isolux::number::{Number, SoftRoot};
-use isolux_host::solve::Rung;
+use isolux_host::solve::{FormFactorRung, fixed_form_factor};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -108,8 +109,9 @@ fn single(v: [f64; 3]) -> [f32; 3] {
     v.map(|x| x as f32)
 }
 
-/// The answers of `best` and `libm`, in single and in double precision.
-fn answers(p: [f64; 3], n: [f64; 3], v: &[[f64; 3]]) -> [f64; 4] {
+/// The answers of `best` and `libm` in single and in double precision, and of
+/// the integer rungs.
+fn answers(p: [f64; 3], n: [f64; 3], v: &[[f64; 3]]) -> [f64; 6] {
     let vertices: Vec<[f32; 3]> = v.iter().map(|&v| single(v)).collect();
     let r32 = Receiver::new::<SoftRoot>(single(p), single(n)).expect("a receiver");
     let r64 = Receiver::new::<SoftRoot>(p, n).expect("a receiver");
@@ -118,6 +120,12 @@ fn answers(p: [f64; 3], n: [f64; 3], v: &[[f64; 3]]) -> [f64; 4] {
         f64::from(form_factor::<Libm, f32>(&r32, &vertices)),
         form_factor::<Best, f64>(&r64, v),
         form_factor::<Libm, f64>(&r64, v),
+        fixed_form_factor::<Q24>(single(p), single(n), &vertices)
+            .expect("a receiver")
+            .into(),
+        fixed_form_factor::<Q29>(single(p), single(n), &vertices)
+            .expect("a receiver")
+            .into(),
     ]
 }
 
@@ -125,12 +133,16 @@ fn answers(p: [f64; 3], n: [f64; 3], v: &[[f64; 3]]) -> [f64; 4] {
 /// with half an ulp of 1.
 fn all_answers(case: &Case) -> Vec<(String, f64, f64)> {
     let vertices: Vec<[f32; 3]> = case.v.iter().map(|&v| single(v)).collect();
-    let ladder = Rung::ALL.into_iter().map(|rung| {
+    let ladder = FormFactorRung::ALL.into_iter().map(|rung| {
         let answer = rung.form_factor(single(case.p), single(case.n), &vertices);
-        let answer = f64::from(answer.expect("a receiver"));
-        (format!("{} f32", rung.name()), answer, SINGLE)
+        let (answer, _) = answer.expect("a receiver");
+        match rung {
+            FormFactorRung::Float(rung) => (format!("{} f32", rung.name()), answer, SINGLE),
+            FormFactorRung::Q24 => (rung.name().to_owned(), answer, 1.0 / (1_u32 << 25) as f64),
+            FormFactorRung::Q29 => (rung.name().to_owned(), answer, 1.0 / (1_u32 << 30) as f64),
+        }
     });
-    let [.., best, libm] = answers(case.p, case.n, &case.v);
+    let [_, _, best, libm, ..] = answers(case.p, case.n, &case.v);
     let double = [("best f64", best), ("libm f64", libm)];
     ladder
         .chain(double.map(|(name, answer)| (name.to_owned(), answer, DOUBLE)))
@@ -228,14 +240,16 @@ fn a_small_triangle_with_a_long_edge_stays_in_the_domain_of_its_fit() {
     for first in 0..3 {
         let mut turned = triangle;
         turned.rotate_left(first);
-        let [best, libm, best_f64, libm_f64] = answers(p, n, &turned);
+        let [best, libm, best_f64, libm_f64, q24, q29] = answers(p, n, &turned);
         assert!((best - exact).abs() <= 2.5e-7, "{best} {exact}");
         assert!((libm - exact).abs() <= 4e-7, "{libm} {exact}");
         assert!((best_f64 - exact).abs() <= 2e-8, "{best_f64} {exact}");
         assert!((libm_f64 - exact).abs() <= 1e-12, "{libm_f64} {exact}");
+        assert!((q24 - exact).abs() <= 5e-6, "{q24} {exact}");
+        assert!((q29 - exact).abs() <= 5e-8, "{q29} {exact}");
         // Seen from behind, there is no light.
         turned.reverse();
-        assert_eq!(answers(p, n, &turned), [0.0; 4]);
+        assert_eq!(answers(p, n, &turned), [0.0; 6]);
     }
 }
 

@@ -16,6 +16,10 @@ const ENTRY: &str = "isolux_entry_";
 /// to keep free for the kernel.
 const STACK: u64 = 2048;
 
+/// The same for the entry points in `f64`, which only the host uses: every
+/// number is twice as long and every operation a call.
+const STACK_F64: u64 = 4096;
+
 /// The toolchain, where this machine has what the proof takes.
 fn toolchain() -> Option<Toolchain> {
     let found = Toolchain::find().and_then(|toolchain| {
@@ -81,7 +85,12 @@ fn no_panic_is_reachable_and_the_stack_is_bounded() {
         let bound = bounds.functions.get(name);
         let bound = bound.unwrap_or_else(|| panic!("{name} is not in the program"));
         println!("{:5} bytes  {}", bound.bytes, bound.path.join(" > "));
-        assert!(bound.bytes <= STACK, "{name}: {bound:?}");
+        let most = if name.ends_with("_f64") {
+            STACK_F64
+        } else {
+            STACK
+        };
+        assert!(bound.bytes <= most, "{name}: {bound:?}");
     }
 }
 

@@ -182,7 +182,7 @@ fn nested(surface: &str, planned: &plan::SurfacePlan, band: &plan::Band) {
     let places: Vec<Vec<[f64; 2]>> = band
         .loops
         .iter()
-        .map(|outline| outline.iter().map(|&k| planned.samples[k].place).collect())
+        .map(|outline| outline.iter().map(|&k| planned.samples[k].vertex).collect())
         .collect();
     let sum: f64 = places.iter().map(|at| doubled(at) / 2.0).sum();
     assert!(

@@ -1,19 +1,19 @@
 //! Hashes of the host's answers, and the committed ones.
 
 use super::hash_cases::{Cases, Hash};
-use isolux_host::solve::Rung;
+use isolux_host::solve::FormFactorRung;
 use std::collections::BTreeMap;
 
 /// Where the committed hashes are: `evaluations,rung,hash`.
 pub(crate) const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/hashes.csv");
 
 /// The hash of so many answers of a rung on this machine, in this build.
-pub(crate) fn of(rung: Rung, evaluations: u32) -> u64 {
+pub(crate) fn of(rung: FormFactorRung, evaluations: u32) -> u64 {
     let (mut cases, mut hash) = (Cases::new(), Hash::new());
     for _ in 0..evaluations {
         let case = cases.following();
         let answer = rung.form_factor(case.position, case.normal, case.vertices());
-        hash.add(answer.unwrap_or(0.0));
+        hash.add(answer.map_or(0, |(_, bits)| bits));
     }
     hash.0
 }

@@ -147,7 +147,7 @@ impl Content {
         let first_member = self.members.len() as u32;
         for outline in &band.loops {
             let place = |&sample: &usize| {
-                let [u, v] = planned.samples[sample].place;
+                let [u, v] = planned.samples[sample].vertex;
                 single(planned.frame.to_world(u, v))
             };
             self.outline(outline.iter().map(place).collect());

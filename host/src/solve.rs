@@ -6,6 +6,7 @@
 
 use crate::bake::Tables;
 use isolux::Error;
+use isolux::form_factor::fixed_point::{self, Format, Q24, Q29, Scale};
 use isolux::form_factor::{Arithmetic, Best, Libm, Micromath, Poly3, Poly5, Poly8, form_factor};
 use isolux::geometry::Receiver;
 use isolux::number::Root;
@@ -123,11 +124,101 @@ impl Rung {
     }
 }
 
-/// The most samples a solve on the host holds: all that tables can index.
-const SAMPLES: usize = 1 << 16;
+/// What a form factor by itself can be computed with: every rung of scenes, and
+/// the integer ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FormFactorRung {
+    /// A rung that scenes are solved with.
+    Float(Rung),
+    /// [`Q24`].
+    Q24,
+    /// [`Q29`].
+    Q29,
+}
+
+impl FormFactorRung {
+    /// All rungs, in the order of the ladder.
+    pub const ALL: [Self; 8] = [
+        Self::Float(Rung::Libm),
+        Self::Float(Rung::Micromath),
+        Self::Float(Rung::Poly3),
+        Self::Float(Rung::Poly5),
+        Self::Float(Rung::Poly8),
+        Self::Float(Rung::Best),
+        Self::Q24,
+        Self::Q29,
+    ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Float(rung) => rung.name(),
+            Self::Q24 => "q24",
+            Self::Q29 => "q29",
+        }
+    }
+
+    /// The form factor of a polygon as the device computes it, and its bits
+    /// there.
+    ///
+    /// # Errors
+    /// Those of [`Rung::form_factor`] and [`fixed_form_factor`].
+    pub fn form_factor(
+        self,
+        position: [f32; 3],
+        normal: [f32; 3],
+        vertices: &[[f32; 3]],
+    ) -> Result<(f64, u32), Error> {
+        Ok(match self {
+            Self::Float(rung) => {
+                let found = rung.form_factor(position, normal, vertices)?;
+                (found.into(), found.to_bits())
+            }
+            Self::Q24 => {
+                let found = fixed_form_factor::<Q24>(position, normal, vertices)?;
+                (found.into(), found.to_bits() as u32)
+            }
+            Self::Q29 => {
+                let found = fixed_form_factor::<Q29>(position, normal, vertices)?;
+                (found.into(), found.to_bits() as u32)
+            }
+        })
+    }
+
+    /// The rung of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        match name {
+            "q24" => Some(Self::Q24),
+            "q29" => Some(Self::Q29),
+            name => Rung::named(name).map(Self::Float),
+        }
+    }
+}
+
+/// The form factor of a polygon in integers, as a core without FPU computes
+/// it; both its scale and everything after are the kernel's.
+///
+/// # Errors
+/// [`Error::Receiver`] where position or normal are no receiver, or a vertex is
+/// not finite.
+pub fn fixed_form_factor<F: Format>(
+    position: [f32; 3],
+    normal: [f32; 3],
+    vertices: &[[f32; 3]],
+) -> Result<F, Error> {
+    let places = vertices.iter().flatten().chain(&position);
+    let scale = Scale::of(places.copied()).ok_or(Error::Receiver)?;
+    let normal = Scale::of(normal).ok_or(Error::Receiver)?.place(normal);
+    let receiver = fixed_point::Receiver::<F>::new(scale.place(position), normal)?;
+    let vertices: Vec<[i64; 3]> = vertices.iter().map(|&v| scale.place(v)).collect();
+    Ok(fixed_point::form_factor(&receiver, &vertices))
+}
+
+/// The most samples a solve on the host holds: 64 KiB of state.
+const SAMPLES: usize = 1 << 14;
 
 /// The most emitters a solve on the host holds.
-const EMITTERS: usize = 1 << 14;
+const EMITTERS: usize = 1 << 12;
 
 /// A solved scene.
 pub struct Solution<'t> {

@@ -41,8 +41,10 @@ pub trait Edges<N, C> {
     /// An edge of the polygon that lies wholly inside.
     fn whole(&self, sum: Self::Sum, from: C, to: C) -> Self::Sum;
 
-    /// The inner part of an edge that crosses the boundary.
-    fn cut(&self, sum: Self::Sum, from: C, to: C) -> Self::Sum;
+    /// The inner part of an edge that crosses the boundary, and the whole edge:
+    /// a crossing is rounded, so the edge's direction is better had from the
+    /// whole.
+    fn cut(&self, sum: Self::Sum, part: [C; 2], whole: [C; 2]) -> Self::Sum;
 
     /// An edge along the boundary, from where the loop left to where it comes
     /// back.
@@ -112,7 +114,7 @@ impl<C> Gap<C> {
         if from.height() >= N::ZERO {
             let exit = crossing(&from, &to);
             self.left = Some(exit);
-            edges.cut(sum, from, exit)
+            edges.cut(sum, [from, exit], [from, to])
         } else {
             let entry = crossing(&to, &from);
             let sum = match self.left.take() {
@@ -122,7 +124,7 @@ impl<C> Gap<C> {
                     sum
                 }
             };
-            edges.cut(sum, entry, to)
+            edges.cut(sum, [entry, to], [from, to])
         }
     }
 
@@ -217,7 +219,7 @@ impl<'a, N: Number + 'a, const CAPACITY: usize> Edges<N, Place<N>> for Collector
         collect(sum, from)
     }
 
-    fn cut(&self, sum: Self::Sum, from: Place<N>, _: Place<N>) -> Self::Sum {
+    fn cut(&self, sum: Self::Sum, [from, _]: [Place<N>; 2], _: [Place<N>; 2]) -> Self::Sum {
         collect(sum, from)
     }
 

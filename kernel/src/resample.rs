@@ -34,8 +34,8 @@ pub struct Filtered {
 /// The cone-filtered value at (u, v) of samples at `places` with `values`.
 ///
 /// `None` where there is no sample at all. Coordinates and `radius` in metres,
-/// radius > 0. Cost: one root per sample in reach, 8 instructions per other
-/// one. Never panics, never NaN for finite input.
+/// radius > 0. Cost on a Cortex-M4F: 24 instructions per sample in reach, 13 per
+/// other one. Never panics, never NaN for finite input.
 pub fn cone<R: Root<f32>>(
     places: &[[f32; 2]],
     values: &[f32],

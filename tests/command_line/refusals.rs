@@ -191,7 +191,7 @@ fn rungs_on_the_command_line() {
     let directory = tempfile::tempdir().expect("a directory");
     write(directory.path(), "desk.toml", &desk());
     let ladders = [
-        ("--arithmetic", "poly5"),
+        ("--arithmetic", "q29"),
         ("--visibility", "vertex-rays"),
         ("--emitters", "layer-cake"),
         ("--transfer", "codes"),

@@ -58,7 +58,7 @@ impl Edges<f64, Place<f64>> for Keep {
         kept
     }
 
-    fn cut(&self, mut kept: Kept, from: Place<f64>, to: Place<f64>) -> Kept {
+    fn cut(&self, mut kept: Kept, [from, to]: [Place<f64>; 2], _: [Place<f64>; 2]) -> Kept {
         kept.push(('c', from, to));
         kept
     }

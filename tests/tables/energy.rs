@@ -54,7 +54,11 @@ pub(crate) fn room(size: [f64; 3], faces: [(f64, f64); 6]) -> String {
 /// irradiance in their middles.
 fn patches(surface: &scene::Surface, side: usize) -> SurfacePlan {
     let frame = Frame::new(surface);
-    let sample = |(u, v): (f64, f64), tag| Sample { place: [u, v], tag };
+    let sample = |(u, v): (f64, f64), tag| Sample {
+        place: [u, v],
+        vertex: [u, v],
+        tag,
+    };
     let at = |k: usize, of: f64| k as f64 / side as f64 * of;
     let places = |count: usize| (0..count * count).map(move |k| (k % count, k / count));
     let mut samples: Vec<Sample> = places(side + 1)

@@ -4,7 +4,7 @@
 use super::failure::Failure;
 use crate::scene::rungs::LADDERS;
 use crate::scene::{Rungs, Scene};
-use crate::solve::Rung;
+use crate::solve::{FormFactorRung, Rung};
 use clap::Args;
 
 /// The flags named after the ladders.
@@ -44,6 +44,18 @@ const BUILT: [(&str, &[&str]); 6] = [
     ("reconstruction", &["cone"]),
 ];
 
+/// The arithmetic rungs of a form factor by itself.
+const ALONE: &[&str] = &[
+    "libm",
+    "micromath",
+    "poly3",
+    "poly5",
+    "poly8",
+    "best",
+    "q24",
+    "q29",
+];
+
 /// Checks every choice and gives the arithmetic rung, the only ladder with a
 /// choice in this build.
 pub(super) fn arithmetic(flags: &RungArguments, scene: &Scene) -> Result<Rung, Failure> {
@@ -73,11 +85,12 @@ pub(super) fn arithmetic(flags: &RungArguments, scene: &Scene) -> Result<Rung, F
 }
 
 /// The arithmetic rung of a flag alone, where there is no scene.
-pub(super) fn arithmetic_flag(flag: Option<&str>) -> Result<Rung, Failure> {
-    if let Some(name) = flag {
-        has(BUILT[0].0, BUILT[0].1, name)?;
-    }
-    named(flag)
+pub(super) fn arithmetic_flag(flag: Option<&str>) -> Result<FormFactorRung, Failure> {
+    let Some(name) = flag else {
+        return Ok(FormFactorRung::Float(Rung::default()));
+    };
+    has(BUILT[0].0, ALONE, name)?;
+    FormFactorRung::named(name).ok_or_else(|| lacking(BUILT[0].0, ALONE, name))
 }
 
 fn named(name: Option<&str>) -> Result<Rung, Failure> {
@@ -103,6 +116,15 @@ fn has(ladder: &str, built: &[&str], name: &str) -> Result<(), Failure> {
 }
 
 fn lacking(ladder: &str, built: &[&str], name: &str) -> Failure {
+    if ladder == BUILT[0].0 && ALONE.contains(&name) {
+        return Failure::limit(
+            format!("this build lacks the rung `{name}` of {ladder} for scenes"),
+            format!(
+                "for scenes it has {}; `isolux form-factor` has `{name}`",
+                built.join(", ")
+            ),
+        );
+    }
     Failure::limit(
         format!("this build lacks the rung `{name}` of {ladder}"),
         format!("it has {}", built.join(", ")),

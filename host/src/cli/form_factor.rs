@@ -4,9 +4,10 @@ use super::choice;
 use super::failure::Failure;
 use crate::reference;
 use crate::scene::diagnostic::Diagnostic;
-use crate::solve::Rung;
+use crate::solve::{FormFactorRung, fixed_form_factor};
 use clap::Args;
 use glam::DVec3;
+use isolux::form_factor::fixed_point::{Q24, Q29};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
@@ -17,7 +18,8 @@ use std::io::{Read, Write};
 /// from its emitting side. Writes lines `{"id","F"}` in the same order.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Number type and edge term: libm, micromath, poly3, poly5, poly8, best.
+    /// Number type and edge term: libm, micromath, poly3, poly5, poly8, best,
+    /// q24, q29.
     #[arg(long, value_name = "RUNG", conflicts_with = "reference")]
     arithmetic: Option<String>,
     /// Answer from the f64 reference.
@@ -45,6 +47,14 @@ struct Answer<F> {
     id: Box<RawValue>,
     #[serde(rename = "F")]
     form_factor: F,
+}
+
+/// A rung's answer, printed with the digits it has.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Kernel {
+    Single(f32),
+    Fixed(f64),
 }
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
@@ -118,7 +128,7 @@ fn parse(number: usize, line: &str) -> Result<Question, Diagnostic> {
     Ok(question)
 }
 
-fn answer(question: Question, rung: Rung, reference: bool) -> Result<String, String> {
+fn answer(question: Question, rung: FormFactorRung, reference: bool) -> Result<String, String> {
     let single = |v: [f64; 3]| v.map(|x| x as f32);
     let Question { id, p, n, v } = question;
     // Both judges refuse the same input.
@@ -131,9 +141,17 @@ fn answer(question: Question, rung: Rung, reference: bool) -> Result<String, Str
     {
         return Err("a coordinate is too large for single precision".into());
     }
-    let kernel = rung
-        .form_factor(single(p), single(n), &vertices)
-        .map_err(|e| e.to_string())?;
+    let (p32, n32) = (single(p), single(n));
+    let kernel = match rung {
+        FormFactorRung::Float(rung) => rung.form_factor(p32, n32, &vertices).map(Kernel::Single),
+        FormFactorRung::Q24 => {
+            fixed_form_factor::<Q24>(p32, n32, &vertices).map(|f| Kernel::Fixed(f.into()))
+        }
+        FormFactorRung::Q29 => {
+            fixed_form_factor::<Q29>(p32, n32, &vertices).map(|f| Kernel::Fixed(f.into()))
+        }
+    };
+    let kernel = kernel.map_err(|e| e.to_string())?;
     let line = if reference {
         let polygon: Vec<DVec3> = v.into_iter().map(DVec3::from).collect();
         let form_factor = reference::form_factor(p.into(), n.into(), &polygon);

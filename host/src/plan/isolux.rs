@@ -37,6 +37,10 @@ const SHIFTS: i32 = 15;
 /// Places closer together than this part of the surface's width are one.
 const WELD: f64 = 1e-6;
 
+/// How far inside of the surface's outline its samples are evaluated, as a part
+/// of the spacing that evenly spread samples would have.
+const INSET: f64 = 0.01;
+
 /// No sample is added closer to another one than this part of the spacing that
 /// evenly spread samples would have.
 const APART: f64 = 0.35;
@@ -100,7 +104,8 @@ impl Map {
         ];
         let pool = Pool::fill(&mut steps, samples, peak, near);
         let bands = pool.bands(&steps, |place| self.value(place));
-        let samples = pool.into_samples();
+        let inset = INSET * (self.area / samples as f64).sqrt();
+        let samples = pool.into_samples(|vertex| self.inside(vertex, inset));
         let values: Vec<f64> = samples
             .iter()
             .map(|sample| self.value(sample.place))
@@ -205,7 +210,7 @@ impl Map {
             .iter()
             .map(|band| {
                 let place = |&sample: &usize| {
-                    let [u, v] = samples[sample].place;
+                    let [u, v] = samples[sample].vertex;
                     <[f64; 3]>::from(self.frame.to_world(u, v))
                 };
                 band.loops

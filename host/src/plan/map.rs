@@ -1,7 +1,7 @@
 //! The irradiance of one surface as the planner sees it, and its outlines.
 
 use super::Field;
-use super::outline::{Outline, signed_area};
+use super::outline::{Outline, distance_to_segment, signed_area};
 use super::share::Demand;
 use crate::scene::Surface;
 use crate::scene::frame::Frame;
@@ -24,6 +24,9 @@ const FLAT: f64 = 1.001;
 
 /// Loops that enclose less than this fraction of the surface are left out.
 const SPECK: f64 = 1e-3;
+
+/// Places closer to the outline than this part of the surface's width are on it.
+const ON_OUTLINE: f64 = 1e-6;
 
 /// Points on each edge of the polygon that may become vertices.
 const POINTS_PER_EDGE: usize = 60;
@@ -153,6 +156,31 @@ impl Map {
         });
         let chosen = (0..corners.len()).map(|k| k * POINTS_PER_EDGE).collect();
         Outline::with_corners(points.collect(), chosen, |place| self.value(place))
+    }
+
+    /// A place on the surface's outline moved `inset` metres inside; any other
+    /// place as it is.
+    pub(super) fn inside(&self, [u, v]: [f64; 2], inset: f64) -> [f64; 2] {
+        let corners = self.corners();
+        let near = ON_OUTLINE * self.area.sqrt();
+        let mut inward = [0.0, 0.0];
+        for (k, a) in corners.iter().enumerate() {
+            let b = corners[(k + 1) % corners.len()];
+            if distance_to_segment([u, v], *a, b) <= near {
+                let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+                inward[0] -= (b[1] - a[1]) / length;
+                inward[1] += (b[0] - a[0]) / length;
+            }
+        }
+        let length = f64::hypot(inward[0], inward[1]);
+        if length > 0.0 {
+            [
+                u + inset * inward[0] / length,
+                v + inset * inward[1] / length,
+            ]
+        } else {
+            [u, v]
+        }
     }
 
     /// Whether the brightest place lies well inside of the surface's outline.

@@ -40,8 +40,13 @@ pub struct SurfacePlan {
 /// A place where irradiance is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Coordinates (u, v) in the surface's frame, in metres.
+    /// Coordinates (u, v) in the surface's frame, in metres: where irradiance is
+    /// evaluated.
     pub place: [f64; 2],
+    /// The vertex of emitters that the sample stands for. It is the place, but
+    /// on the surface's own outline, where the place is a little inside: what
+    /// lies exactly in the plane of an adjoining surface gets nothing from it.
+    pub vertex: [f64; 2],
     /// Why it is there.
     pub tag: Tag,
 }
@@ -91,11 +96,11 @@ pub enum Unplannable {
         /// Samples needed at least.
         needed: u64,
     },
-    /// More samples than the tables can index.
+    /// More samples than the host solves.
     TooMany {
         /// Samples asked for.
         asked: u64,
-        /// Samples the tables can index.
+        /// Samples the host solves.
         most: u64,
     },
 }
@@ -108,7 +113,7 @@ impl std::fmt::Display for Unplannable {
                 "the budget allows {allowed} samples; the reflecting surfaces of this scene need at least {needed}"
             ),
             Self::TooMany { asked, most } => {
-                write!(f, "{asked} samples asked for; the tables can index {most}")
+                write!(f, "{asked} samples asked for; {most} are the most")
             }
         }
     }
@@ -119,8 +124,9 @@ impl std::error::Error for Unplannable {}
 /// Samples per reflecting surface where the scene sets no budget.
 const DEFAULT_SAMPLES: u64 = 32;
 
-/// The largest number of samples whose indices fit the tables.
-const MOST_SAMPLES: u64 = 1 << 16;
+/// The largest number of samples that the host solves; their indices fit the
+/// tables.
+const MOST_SAMPLES: u64 = 1 << 14;
 
 /// Places along each side of a surface at which another one's emitters are
 /// judged.

@@ -78,20 +78,24 @@ impl Pool {
     /// Whether a place is a sample already, or far enough from all of them.
     fn leaves_free(&self, place: [f64; 2], apart: f64) -> bool {
         let [u, v] = place;
-        let far = |sample: &Sample| (sample.place[0] - u).hypot(sample.place[1] - v) > apart;
+        let far = |sample: &Sample| (sample.vertex[0] - u).hypot(sample.vertex[1] - v) > apart;
         self.samples.iter().all(far) || self.find(place).is_some()
     }
 
     fn find(&self, place: [f64; 2]) -> Option<usize> {
         let near = |sample: &Sample| {
-            (sample.place[0] - place[0]).hypot(sample.place[1] - place[1]) <= self.weld
+            (sample.vertex[0] - place[0]).hypot(sample.vertex[1] - place[1]) <= self.weld
         };
         self.samples.iter().position(near)
     }
 
     fn add(&mut self, place: [f64; 2], tag: Tag) -> usize {
         self.find(place).unwrap_or_else(|| {
-            self.samples.push(Sample { place, tag });
+            self.samples.push(Sample {
+                place,
+                vertex: place,
+                tag,
+            });
             self.samples.len() - 1
         })
     }
@@ -120,7 +124,7 @@ impl Pool {
                     .map_or(f64::INFINITY, |step| step.level * BRIGHTER);
                 let mut loops = outlines[k].clone();
                 let mut members: Vec<usize> = loops.iter().flatten().copied().collect();
-                members.retain(|&member| value(self.samples[member].place) <= limit);
+                members.retain(|&member| value(self.samples[member].vertex) <= limit);
                 match brighter {
                     Some(inner) => {
                         members.extend(inner.iter().flatten());
@@ -142,12 +146,17 @@ impl Pool {
     }
 
     fn signed_area(&self, indices: &[usize]) -> f64 {
-        let places: Vec<[f64; 2]> = indices.iter().map(|&k| self.samples[k].place).collect();
+        let places: Vec<[f64; 2]> = indices.iter().map(|&k| self.samples[k].vertex).collect();
         signed_area(&places)
     }
 
-    pub(super) fn into_samples(self) -> Vec<Sample> {
-        self.samples
+    /// The samples, each evaluated where `place` puts its vertex.
+    pub(super) fn into_samples(self, place: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<Sample> {
+        let mut samples = self.samples;
+        for sample in &mut samples {
+            sample.place = place(sample.vertex);
+        }
+        samples
     }
 }
 

@@ -1,7 +1,7 @@
 //! How wrong a rung is on the form factors of [`super::suite`].
 
 use super::suite::{CLASSES, CONDITIONED, Case, RELATIVE};
-use crate::solve::Rung;
+use crate::solve::FormFactorRung;
 use serde::Serialize;
 
 /// Errors of a class of form factors.
@@ -56,7 +56,7 @@ pub fn suite() -> Suite {
 
 /// Judges a rung.
 #[must_use]
-pub fn judge(rung: Rung, suite: &Suite) -> SuiteErrors {
+pub fn judge(rung: FormFactorRung, suite: &Suite) -> SuiteErrors {
     let mut classes = Vec::new();
     let mut counted = Vec::new();
     for (class, cases) in suite {
@@ -93,9 +93,9 @@ pub fn judge(rung: Rung, suite: &Suite) -> SuiteErrors {
 }
 
 /// |F − exact|. A receiver that the kernel refuses errs by everything.
-fn error(rung: Rung, case: &Case) -> f64 {
+fn error(rung: FormFactorRung, case: &Case) -> f64 {
     match rung.form_factor(case.position, case.normal, &case.vertices) {
-        Ok(got) => (f64::from(got) - case.exact).abs(),
+        Ok((got, _)) => (got - case.exact).abs(),
         Err(_) => 1.0,
     }
 }

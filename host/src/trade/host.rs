@@ -1,7 +1,7 @@
 //! Time on this machine.
 
 use super::suite;
-use crate::solve::Rung;
+use crate::solve::FormFactorRung;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -13,7 +13,7 @@ const TIMES: usize = 20;
 
 /// Nanoseconds of a form factor of the suite's class `ordinary`, from vertices
 /// in memory: the receiver is made and the emitter's plane is found each time.
-pub(super) fn nanoseconds(rung: Rung) -> f64 {
+pub(super) fn nanoseconds(rung: FormFactorRung) -> f64 {
     let cases = suite::cases("ordinary");
     let mut quickest = f64::INFINITY;
     for _ in 0..ROUNDS {

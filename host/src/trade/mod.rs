@@ -1,6 +1,6 @@
 //! What every rung of arithmetic gives and what it costs.
 //!
-//! [`form_factors`] measures each rung of [`Rung::ALL`] on a suite of cases
+//! [`form_factors`] measures each rung of [`FormFactorRung::ALL`] on a suite of cases
 //! ([`suite`]) and on the emulated device; [`scene`] does the same with a baked
 //! scene. Nothing here knows the rungs by name: one more on the ladder is one
 //! more line of every table.
@@ -15,7 +15,7 @@ pub mod table;
 pub use scene::scene;
 
 use crate::device::{self, Core, Traced};
-use crate::solve::Rung;
+use crate::solve::FormFactorRung;
 use error::SuiteErrors;
 use serde::Serialize;
 use std::time::Duration;
@@ -110,7 +110,7 @@ pub fn form_factors(
     }
     progress("judging form factors");
     let suite = error::suite();
-    let mut rows: Vec<FormFactors> = Rung::ALL
+    let mut rows: Vec<FormFactors> = FormFactorRung::ALL
         .into_iter()
         .map(|rung| FormFactors {
             rung: rung.name(),

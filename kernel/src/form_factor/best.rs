@@ -2,7 +2,7 @@
 
 use super::{Arithmetic, Outline, half_angle, residual};
 use crate::geometry::{Receiver, Vector};
-use crate::number::{Number, Root, SoftRoot};
+use crate::number::{Floating, Root, SoftRoot};
 use core::marker::PhantomData;
 
 /// The rung `best`: the residual form where the emitter is small, half-angle
@@ -20,7 +20,7 @@ use core::marker::PhantomData;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Best<R = SoftRoot>(PhantomData<R>);
 
-impl<N: Number, R: Root<N> + Copy> Arithmetic<N> for Best<R> {
+impl<N: Floating, R: Root<N> + Copy> Arithmetic<N> for Best<R> {
     #[inline]
     fn contour(receiver: &Receiver<N>, facing: Vector<N>, outline: &Outline<'_, N>) -> N {
         if residual::is_small(receiver, outline) {

@@ -41,7 +41,7 @@ impl Edges<f32, Place<f32>> for ArcTangents {
         self.add(sum, from.position, to.position)
     }
 
-    fn cut(&self, sum: f32, from: Place<f32>, to: Place<f32>) -> f32 {
+    fn cut(&self, sum: f32, [from, to]: [Place<f32>; 2], _: [Place<f32>; 2]) -> f32 {
         self.add(sum, from.position, to.position)
     }
 

@@ -36,6 +36,9 @@
 //! (squares and fourth powers of distances must stay normal numbers of `f32`).
 
 mod best;
+#[cfg(feature = "fixed")]
+#[cfg_attr(docsrs, doc(cfg(feature = "fixed")))]
+pub mod fixed_point;
 mod half_angle;
 #[cfg(feature = "micromath")]
 mod micro;

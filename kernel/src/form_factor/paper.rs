@@ -10,7 +10,7 @@ use core::marker::PhantomData;
 /// clipped loop, with libm's arc cosine.
 ///
 /// A yardstick: acos loses half of the digits of a small angle, so the error
-/// of F in `f32` is 4e-7 at best, 1e-5 for emitters that fill the view, and the
+/// of F in `f32` is 4e-7 at best, 2e-5 for emitters that fill the view, and the
 /// relative error is of order u/s³ for an emitter of angular radius s: nothing
 /// is right about F < 1e-6. Caps are ordinary edges here; a receiver close to
 /// the emitter's plane loses up to 4e-4. Three times the cost of
@@ -52,7 +52,7 @@ impl<N: ArcCosine, R: Root<N>> Edges<N, Place<N>> for ArcCosines<N, R> {
         self.add(sum, from.position, to.position)
     }
 
-    fn cut(&self, sum: N, from: Place<N>, to: Place<N>) -> N {
+    fn cut(&self, sum: N, [from, to]: [Place<N>; 2], _: [Place<N>; 2]) -> N {
         self.add(sum, from.position, to.position)
     }
 

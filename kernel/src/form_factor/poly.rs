@@ -2,7 +2,7 @@
 
 use super::{Arithmetic, Outline, half_angle};
 use crate::geometry::{Receiver, Vector};
-use crate::number::{Number, Root, SoftRoot};
+use crate::number::{Floating, Root, SoftRoot};
 use core::marker::PhantomData;
 
 /// The rungs `poly3`, `poly5` and `poly8`: half-angle tangents whose arc tangent
@@ -27,7 +27,7 @@ pub type Poly5<R = SoftRoot> = Poly<5, R>;
 /// The rung `poly8`: |error of F| ≤ 2.5e-7.
 pub type Poly8<R = SoftRoot> = Poly<8, R>;
 
-impl<const DEGREE: usize, N: Number, R: Root<N> + Copy> Arithmetic<N> for Poly<DEGREE, R> {
+impl<const DEGREE: usize, N: Floating, R: Root<N> + Copy> Arithmetic<N> for Poly<DEGREE, R> {
     #[inline]
     fn contour(receiver: &Receiver<N>, facing: Vector<N>, outline: &Outline<'_, N>) -> N {
         half_angle::contour::<DEGREE, N, R>(receiver, facing, outline)

@@ -130,14 +130,14 @@ impl<N: Number> Edges<N, Vertex<N>> for Residual<N> {
     }
 
     #[inline(never)]
-    fn cut(&self, sum: Sum<N>, from: Vertex<N>, to: Vertex<N>) -> Sum<N> {
+    fn cut(&self, sum: Sum<N>, [from, to]: [Vertex<N>; 2], _: [Vertex<N>; 2]) -> Sum<N> {
         self.add(sum, from, to)
     }
 
     /// Small loops are far from spanning 180°: a cap is an edge like others.
     #[inline(always)]
     fn cap(&self, sum: Sum<N>, from: Vertex<N>, to: Vertex<N>) -> Sum<N> {
-        self.cut(sum, from, to)
+        self.cut(sum, [from, to], [from, to])
     }
 }
 

@@ -10,7 +10,7 @@ use super::Number;
 const SCALED_3: [f64; 4] = [0.9997878485, -0.3258084642, 0.1555787833, -0.04432662757];
 
 /// h(q), relative error 4.4e-6.
-const SCALED_5: [f64; 6] = [
+pub(super) const SCALED_5: [f64; 6] = [
     0.9999956297,
     -0.3329946013,
     0.1956359517,
@@ -20,7 +20,7 @@ const SCALED_5: [f64; 6] = [
 ];
 
 /// h(q), relative error 1.5e-8.
-const SCALED_8: [f64; 9] = [
+pub(super) const SCALED_8: [f64; 9] = [
     0.9999999848,
     -0.3333307335,
     0.1999261945,
@@ -80,9 +80,12 @@ pub fn residual_arctangent<N: Number>(w: N) -> N {
 }
 
 #[inline(always)]
-fn horner<N: Number, const DEGREE_PLUS_1: usize>(ascending: &[f64; DEGREE_PLUS_1], x: N) -> N {
-    let mut sum = N::ZERO;
-    for &coefficient in ascending.iter().rev() {
+fn horner<N: Number, const TERMS: usize>(ascending: &[f64; TERMS], x: N) -> N {
+    let [lower @ .., highest] = ascending.as_slice() else {
+        return N::ZERO;
+    };
+    let mut sum = N::of(*highest);
+    for &coefficient in lower.iter().rev() {
         sum = sum * x + N::of(coefficient);
     }
     sum

@@ -9,6 +9,9 @@
 //! correctly rounded, so the bits are the same.
 
 mod arctangent;
+#[cfg(feature = "fixed")]
+#[cfg_attr(docsrs, doc(cfg(feature = "fixed")))]
+pub mod fixed_point;
 
 pub use arctangent::{residual_arctangent, scaled_arctangent};
 
@@ -63,6 +66,11 @@ impl Number for f32 {
     fn is_finite(self) -> bool {
         f32::is_finite(self)
     }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        f32::abs(self)
+    }
 }
 
 impl Number for f64 {
@@ -79,6 +87,51 @@ impl Number for f64 {
     fn is_finite(self) -> bool {
         f64::is_finite(self)
     }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        f64::abs(self)
+    }
+}
+
+/// A floating-point number: its products can be taken exactly in two parts.
+pub trait Floating: Number {
+    /// 2^⌈p/2⌉ + 1 for a significand of p bits: times this, a number splits into
+    /// two halves whose products are exact (Veltkamp 1968).
+    const SPLITTER: Self;
+}
+
+impl Floating for f32 {
+    const SPLITTER: Self = 4097.0;
+}
+
+impl Floating for f64 {
+    const SPLITTER: Self = 134_217_729.0;
+}
+
+/// a b − c d to within two roundings of the result, however much of it cancels.
+///
+/// Both products are taken exactly, as a sum of two numbers (Dekker 1971), for
+/// magnitudes between 2⁻⁵⁰ and 2⁵⁰ in `f32`. 40 operations, none of them fused:
+/// the device has no fused operation that is not emulated. Never panics.
+#[inline]
+pub fn difference_of_products<N: Floating>(a: N, b: N, c: N, d: N) -> N {
+    let ((ab, ab_rest), (cd, cd_rest)) = (exact_product(a, b), exact_product(c, d));
+    (ab - cd) + (ab_rest - cd_rest)
+}
+
+/// The rounded product and what rounding took from it.
+#[inline]
+fn exact_product<N: Floating>(a: N, b: N) -> (N, N) {
+    let halves = |x: N| {
+        let scaled = x * N::SPLITTER;
+        let high = scaled - (scaled - x);
+        (high, x - high)
+    };
+    let ((a_high, a_low), (b_high, b_low)) = (halves(a), halves(b));
+    let product = a * b;
+    let rest = ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low;
+    (product, rest)
 }
 
 /// A source of square roots.

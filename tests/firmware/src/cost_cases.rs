@@ -4,6 +4,7 @@
 
 use crate::cost_samples::place;
 use isolux::Error;
+use isolux::form_factor::fixed_point::{self, Format, Scale};
 use isolux::geometry::{Receiver, Vector};
 use isolux::number::SoftRoot;
 
@@ -87,5 +88,19 @@ impl Case {
             [0.1, -0.05, 1.0]
         };
         Receiver::new::<SoftRoot>([x, y, 0.0], normal)
+    }
+
+    /// Emitter and receiver as integers of one scale.
+    pub(crate) fn fixed<F: Format>(
+        &self,
+        vertices: usize,
+        index: usize,
+    ) -> Result<([[i64; 3]; 8], fixed_point::Receiver<F>), Error> {
+        let corners = self.emitter(vertices);
+        let receiver = self.receiver(index)?;
+        let (place, normal) = (receiver.position().into(), receiver.normal().into());
+        let scale = Scale::of([4.0]).ok_or(Error::Receiver)?;
+        let receiver = fixed_point::Receiver::new(scale.place(place), scale.place(normal))?;
+        Ok((corners.map(|corner| scale.place(corner)), receiver))
     }
 }

@@ -6,6 +6,7 @@ use core::sync::atomic::{Ordering, compiler_fence};
 use cortex_m as _; // its critical section
 use defmt_semihosting as _; // the global logger
 use isolux::Error;
+use isolux::form_factor::fixed_point::{self, Format, Q24, Q29};
 use isolux::form_factor::{Best, Libm, Micromath, Outline, Poly3, Poly5, Poly8, of_loops};
 use isolux::geometry::{Plane, Receiver};
 use isolux::number::SoftRoot;
@@ -79,6 +80,29 @@ impl Rung {
             HARDWARE_ROOT || self.root != "fpu"
         }
     }
+}
+
+/// A form factor in integers, with the emitter's plane known.
+type FixedEntry<F> = fn(&fixed_point::Receiver<F>, &fixed_point::Plane, &[[i64; 3]]) -> F;
+
+#[inline(never)]
+#[unsafe(no_mangle)]
+fn isolux_rung_q24(
+    receiver: &fixed_point::Receiver<Q24>,
+    plane: &fixed_point::Plane,
+    outline: &[[i64; 3]],
+) -> Q24 {
+    fixed_point::of_loops(receiver, plane, core::iter::once(outline))
+}
+
+#[inline(never)]
+#[unsafe(no_mangle)]
+fn isolux_rung_q29(
+    receiver: &fixed_point::Receiver<Q29>,
+    plane: &fixed_point::Plane,
+    outline: &[[i64; 3]],
+) -> Q29 {
+    fixed_point::of_loops(receiver, plane, core::iter::once(outline))
 }
 
 /// The plane and the reach of an emitter that is given by its vertices alone.
@@ -166,6 +190,9 @@ fn run() -> Result<(), Error> {
                 form_factors(&meter, case, vertices, rung)?;
                 lines += 1;
             }
+            fixed_form_factors(&meter, case, vertices, ("q24", isolux_rung_q24))?;
+            fixed_form_factors(&meter, case, vertices, ("q29", isolux_rung_q29))?;
+            lines += 2;
         }
     }
     for side in [4, 20] {
@@ -196,6 +223,26 @@ fn form_factors(meter: &Meter, case: &Case, vertices: usize, rung: &Rung) -> Res
         isolux_rung_end();
     }
     account.log(["form-factor", rung.name, rung.root, case.name], vertices);
+    Ok(())
+}
+
+fn fixed_form_factors<F: Format>(
+    meter: &Meter,
+    case: &Case,
+    vertices: usize,
+    (rung, entry): (&str, FixedEntry<F>),
+) -> Result<(), Error> {
+    let entry = black_box(entry);
+    let mut account = Account::default();
+    for index in 0..RECEIVERS {
+        let (corners, receiver) = case.fixed::<F>(vertices, index)?;
+        let corners = &corners[..vertices];
+        let plane = fixed_point::Plane::of_polygon(corners);
+        let (answer, cost) = meter.measure(|| entry(&receiver, &plane, corners));
+        isolux_rung_end();
+        account.add((answer.to_bits() as f32, cost));
+    }
+    account.log(["form-factor", rung, "-", case.name], vertices);
     Ok(())
 }
 

@@ -13,7 +13,7 @@ pub(crate) struct Case {
 
 impl Case {
     /// The most vertices.
-    const MOST: usize = 8;
+    pub(crate) const MOST: usize = 8;
 
     /// The emitter.
     pub(crate) fn vertices(&self) -> &[[f32; 3]] {
@@ -81,9 +81,9 @@ impl Hash {
         Self(0xcbf2_9ce4_8422_2325)
     }
 
-    /// Takes an answer in.
-    pub(crate) fn add(&mut self, answer: f32) {
-        for byte in answer.to_bits().to_le_bytes() {
+    /// Takes the bits of an answer in.
+    pub(crate) fn add(&mut self, answer: u32) {
+        for byte in answer.to_le_bytes() {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
         }
     }

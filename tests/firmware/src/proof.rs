@@ -27,6 +27,7 @@ mod entries {
 
     use cortex_m as _; // the vector table's exceptions
     use isolux::clip::{self, Corners, Place};
+    use isolux::form_factor::fixed_point::{self, Q24, Q29, Scale};
     use isolux::form_factor::{self, Best, Libm, Micromath, Outline, Poly3, Poly5, Poly8};
     use isolux::geometry::{Plane, Receiver};
     use isolux::number::{self, Root, SoftRoot};
@@ -105,6 +106,33 @@ mod entries {
         fn isolux_entry_form_factor_of_two_loops(receiver: &Receiver<f32>, plane: &Plane<f32>, outline: &[[f32; 3]], hole: &[[f32; 3]]) -> f32 {
             let loops = [Outline::new(outline), Outline::new(hole)];
             form_factor::of_loops::<Best<Chosen>, f32>(receiver, plane, loops.into_iter())
+        }
+        fn isolux_entry_form_factor_q29(receiver: &fixed_point::Receiver<Q29>, vertices: &[[i64; 3]]) -> Q29 {
+            fixed_point::form_factor(receiver, vertices)
+        }
+        fn isolux_entry_form_factor_q24(receiver: &fixed_point::Receiver<Q24>, vertices: &[[i64; 3]]) -> Q24 {
+            fixed_point::form_factor(receiver, vertices)
+        }
+        fn isolux_entry_form_factor_q29_of_words(receiver: &fixed_point::Receiver<Q29>, vertices: &[[i32; 3]]) -> Q29 {
+            fixed_point::form_factor(receiver, vertices)
+        }
+        fn isolux_entry_form_factor_q29_of_two_loops(receiver: &fixed_point::Receiver<Q29>, plane: &fixed_point::Plane, outline: &[[i64; 3]], hole: &[[i64; 3]]) -> Q29 {
+            fixed_point::of_loops(receiver, plane, [outline, hole].into_iter())
+        }
+        fn isolux_entry_fixed_receiver(position: [i64; 3], normal: [i64; 3]) -> Result<fixed_point::Receiver<Q29>, Error> {
+            fixed_point::Receiver::new(position, normal)
+        }
+        fn isolux_entry_fixed_plane(vertices: &[[i64; 3]]) -> fixed_point::Plane {
+            fixed_point::Plane::of_polygon(vertices)
+        }
+        fn isolux_entry_fixed_scale(coordinates: &[f32]) -> Option<Scale> {
+            Scale::of(coordinates.iter().copied())
+        }
+        fn isolux_entry_fixed_place(scale: Scale, place: [f32; 3]) -> [i64; 3] {
+            scale.place(place)
+        }
+        fn isolux_entry_fixed_operations(a: Q29, b: Q29, constant: f64) -> Q29 {
+            (a + b) * (a - b) / -b * number::Number::of(constant)
         }
         fn isolux_entry_receiver(position: [f32; 3], normal: [f32; 3]) -> Result<Receiver<f32>, Error> {
             Receiver::new::<Chosen>(position, normal)

@@ -198,7 +198,7 @@ fn sample_plan(judged: &Judged<'_>, compared: &Compared, beneath: SurfaceField) 
                 .map(|indices| {
                     indices
                         .iter()
-                        .map(|&sample| planned.samples[sample].place)
+                        .map(|&sample| planned.samples[sample].vertex)
                         .collect()
                 })
                 .collect(),

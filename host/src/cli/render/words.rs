@@ -1,29 +1,12 @@
 //! The error table on a terminal.
 
 use super::{Judged, Rendered};
+use crate::compare::Errors;
 use crate::report::{ErrorRow, error_table, percent};
 use std::path::Path;
 
 pub(super) fn table(judged: &Judged<'_>, rendered: &Rendered<'_>, output: &Path) -> String {
-    let mut text = format!(
-        "{}: structured sampling, {} samples, {} shots, {} form factors, {} % of the light unshot\n\n",
-        rendered.scene,
-        rendered.form_factor_samples,
-        rendered.shots,
-        rendered.form_factor_evaluations,
-        percent(100.0 * f64::from(rendered.unshot)),
-    );
-    let mut rows: Vec<ErrorRow> = rendered
-        .surfaces
-        .iter()
-        .map(|surface| ErrorRow {
-            name: surface.name.to_owned(),
-            samples: Some(surface.samples),
-            emitters: Some(surface.emitters),
-            error: surface.error,
-        })
-        .collect();
-    rows.push(ErrorRow {
+    let all = |error: Errors| ErrorRow {
         name: if judged.camera.is_some() {
             "camera"
         } else {
@@ -32,38 +15,37 @@ pub(super) fn table(judged: &Judged<'_>, rendered: &Rendered<'_>, output: &Path)
         .to_owned(),
         samples: None,
         emitters: None,
-        error: rendered.error,
+        error,
+    };
+    let structured = rendered.surfaces.iter().map(|surface| ErrorRow {
+        name: surface.name.to_owned(),
+        samples: Some(surface.samples),
+        emitters: Some(surface.emitters),
+        error: surface.error,
     });
-    text.push_str(&error_table(&rows));
-    text.push('\n');
+    let structured: Vec<_> = structured.chain([all(rendered.error)]).collect();
+    let mut text = format!(
+        "{}: structured sampling, {} samples, {} shots, {} form factors, {} % of the light unshot\n\n{}\n",
+        rendered.scene,
+        rendered.form_factor_samples,
+        rendered.shots,
+        rendered.form_factor_evaluations,
+        percent(100.0 * f64::from(rendered.unshot)),
+        error_table(&structured),
+    );
     if let Some(classical) = &rendered.baseline {
-        text.push_str(&format!(
-            "\nbeside it: ray-traced form factors, {} delta form factors\n\n",
-            classical.delta_form_factors
-        ));
-        let mut rows: Vec<ErrorRow> = classical
-            .surfaces
-            .iter()
-            .map(|surface| ErrorRow {
-                name: surface.name.to_owned(),
-                samples: Some(surface.vertices),
-                emitters: None,
-                error: surface.error,
-            })
-            .collect();
-        rows.push(ErrorRow {
-            name: if judged.camera.is_some() {
-                "camera"
-            } else {
-                "all"
-            }
-            .to_owned(),
-            samples: None,
+        let rows = classical.surfaces.iter().map(|surface| ErrorRow {
+            name: surface.name.to_owned(),
+            samples: Some(surface.vertices),
             emitters: None,
-            error: classical.error,
+            error: surface.error,
         });
-        text.push_str(&error_table(&rows));
-        text.push('\n');
+        let rows: Vec<_> = rows.chain([all(classical.error)]).collect();
+        text.push_str(&format!(
+            "\nbeside it: ray-traced form factors, {} delta form factors\n\n{}\n",
+            classical.delta_form_factors,
+            error_table(&rows),
+        ));
     }
     text.push_str(&format!(
         "\nreference: {}, {} reflections, accurate to {:.0e}\npictures in {}: {}\n",

@@ -46,6 +46,12 @@ pub(super) fn effect(instruction: &str) -> Effect {
         _ if operands.contains("[sp, #-") => before(operands),
         "msr" => Effect::Hazard(MOVED),
         "cmp" | "cmn" | "tst" | "str" => Effect::None,
+        // Through the stack pointer, which stays: without the `!` of a write-back.
+        "stm" | "stmia" | "vstmia" | "ldm" | "ldmia" | "vldmia"
+            if first == "sp" && !operands.contains("pc") =>
+        {
+            Effect::None
+        }
         // Anything else that writes the stack pointer.
         _ if first == "sp" => Effect::Hazard(MOVED),
         _ => Effect::None,
@@ -139,6 +145,8 @@ mod tests {
         assert_eq!(effect("bxeq\tlr"), Effect::None);
         assert_eq!(effect("bfi\tr0, r1, #0x3, #0x4"), Effect::None);
         assert_eq!(effect("mov\tsp, r4"), Effect::Hazard(MOVED));
+        assert_eq!(effect("stm.w\tsp, {r0, r3, r4}"), Effect::None);
+        assert_eq!(effect("ldm\tsp, {r0, pc}"), Effect::Hazard(MOVED));
         assert_eq!(effect("add\tsp, r1"), Effect::Hazard(MOVED));
         assert_eq!(effect("bic\tsp, sp, #0x7"), Effect::Hazard(MOVED));
         assert_eq!(effect("ldr\tpc, [r0, r1]"), Effect::Hazard(INDIRECT));

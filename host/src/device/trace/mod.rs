@@ -109,7 +109,10 @@ fn attribute(
         .into_iter()
         .filter(|cost| cost.operation == "form-factor")
     {
-        let name = format!("{PREFIX}{}_{}", cost.rung, cost.root);
+        let name = match cost.root.as_str() {
+            "-" => format!("{PREFIX}{}", cost.rung),
+            root => format!("{PREFIX}{}_{root}", cost.rung),
+        };
         let entry = rungs.entries.iter().find(|(_, known)| **known == name);
         let few = || Error::Log {
             what: format!("the trace has too few calls of {name}"),
