@@ -56,7 +56,7 @@ fn main() -> ExitCode {
 fn table(rows: &[Row], before: &[Row]) -> String {
     let known: BTreeMap<_, _> = before.iter().map(|row| (&row.name, row.mean)).collect();
     let mut text = format!(
-        "{:<11} {:<18} {:<5} {:<5} {:<16} {:>5} {:>6} {:>13} {:>10} {:>8}\n",
+        "{:<11} {:<18} {:<9} {:<5} {:<16} {:>5} {:>6} {:>13} {:>10} {:>8}\n",
         "core", "operation", "rung", "root", "of", "size", "calls", "mean", "largest", "change"
     );
     for row in rows {
@@ -66,7 +66,7 @@ fn table(rows: &[Row], before: &[Row]) -> String {
             None => "new".to_owned(),
         };
         text.push_str(&format!(
-            "{core:<11} {operation:<18} {rung:<5} {root:<5} {of:<16} {size:>5} {:>6} {:>13.2} {:>10} {change:>8}\n",
+            "{core:<11} {operation:<18} {rung:<9} {root:<5} {of:<16} {size:>5} {:>6} {:>13.2} {:>10} {change:>8}\n",
             row.calls, row.mean, row.largest
         ));
     }

@@ -18,7 +18,7 @@ use isolux::form_factor::fixed_point::{Q24, Q29};
 use isolux::form_factor::{Arithmetic, Best, Libm, Outline, form_factor, of_loops};
 use isolux::geometry::{Plane, Receiver};
 use isolux::number::{Number, SoftRoot};
-use isolux_host::solve::fixed_form_factor;
+use isolux_host::solve::{FormFactorRung, fixed_form_factor};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -73,15 +73,7 @@ struct Allowed {
 /// What no law may allow more than, not even next to an edge.
 const CEILING: f64 = 2e-2;
 
-/// The rungs, with half an ulp of 1 of their number.
-const RUNGS: [(&str, f64); 6] = [
-    ("best f32", SINGLE),
-    ("libm f32", SINGLE),
-    ("best f64", DOUBLE),
-    ("libm f64", DOUBLE),
-    ("q24", 1.0 / (1_u32 << 25) as f64),
-    ("q29", 1.0 / (1_u32 << 30) as f64),
-];
+/// Half an ulp of 1 in the numbers that rungs compute in.
 const SINGLE: f64 = f32::EPSILON as f64 / 2.0;
 const DOUBLE: f64 = f64::EPSILON / 2.0;
 
@@ -117,7 +109,8 @@ fn single(v: [f64; 3]) -> [f32; 3] {
     v.map(|x| x as f32)
 }
 
-/// The answers of all rungs, in the order of [`RUNGS`].
+/// The answers of `best` and `libm` in single and in double precision, and of
+/// the integer rungs.
 fn answers(p: [f64; 3], n: [f64; 3], v: &[[f64; 3]]) -> [f64; 6] {
     let vertices: Vec<[f32; 3]> = v.iter().map(|&v| single(v)).collect();
     let r32 = Receiver::new::<SoftRoot>(single(p), single(n)).expect("a receiver");
@@ -134,6 +127,26 @@ fn answers(p: [f64; 3], n: [f64; 3], v: &[[f64; 3]]) -> [f64; 6] {
             .expect("a receiver")
             .into(),
     ]
+}
+
+/// The answers of every rung of the ladder, and those in double precision,
+/// with half an ulp of 1.
+fn all_answers(case: &Case) -> Vec<(String, f64, f64)> {
+    let vertices: Vec<[f32; 3]> = case.v.iter().map(|&v| single(v)).collect();
+    let ladder = FormFactorRung::ALL.into_iter().map(|rung| {
+        let answer = rung.form_factor(single(case.p), single(case.n), &vertices);
+        let (answer, _) = answer.expect("a receiver");
+        match rung {
+            FormFactorRung::Float(rung) => (format!("{} f32", rung.name()), answer, SINGLE),
+            FormFactorRung::Q24 => (rung.name().to_owned(), answer, 1.0 / (1_u32 << 25) as f64),
+            FormFactorRung::Q29 => (rung.name().to_owned(), answer, 1.0 / (1_u32 << 30) as f64),
+        }
+    });
+    let [_, _, best, libm, ..] = answers(case.p, case.n, &case.v);
+    let double = [("best f64", best), ("libm f64", libm)];
+    ladder
+        .chain(double.map(|(name, answer)| (name.to_owned(), answer, DOUBLE)))
+        .collect()
 }
 
 /// The worst case of a class on a rung.
@@ -159,8 +172,8 @@ fn every_class_keeps_what_every_rung_promises() {
     let mut table: BTreeMap<(String, String), Worst> = BTreeMap::new();
     for case in cases() {
         let (exact, conditioning) = (case.exact(), case.conditioning());
-        for (got, (rung, u)) in answers(case.p, case.n, &case.v).into_iter().zip(RUNGS) {
-            let key = (case.class.clone(), rung.to_owned());
+        for (rung, got, u) in all_answers(&case) {
+            let key = (case.class.clone(), rung);
             let law = allowed
                 .get(&key)
                 .unwrap_or_else(|| panic!("nothing allowed for {key:?}"));

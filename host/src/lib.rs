@@ -10,7 +10,7 @@
 //!
 //! Rooms, ground floor first; each imports only those above it in this list:
 //! [`scene`], [`mod@reference`], [`baseline`], [`plan`], [`bake`], [`solve`],
-//! [`compare`], [`report`], [`picture`], [`device`], [`cli`]. The kernel is a
+//! [`compare`], [`report`], [`picture`], [`device`], [`trade`], [`cli`]. The kernel is a
 //! library to all of them but the reference, which shares no formula with what
 //! it judges.
 
@@ -25,3 +25,4 @@ pub mod reference;
 pub mod report;
 pub mod scene;
 pub mod solve;
+pub mod trade;

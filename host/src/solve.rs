@@ -6,7 +6,7 @@
 
 use crate::bake::Tables;
 use isolux::Error;
-use isolux::form_factor::fixed_point::{self, Format, Scale};
+use isolux::form_factor::fixed_point::{self, Format, Q24, Q29, Scale};
 use isolux::form_factor::{Arithmetic, Best, Libm, Micromath, Poly3, Poly5, Poly8, form_factor};
 use isolux::geometry::Receiver;
 use isolux::number::Root;
@@ -115,7 +115,12 @@ impl Rung {
         vertices: &[[f32; 3]],
     ) -> Result<f32, Error> {
         let receiver = Receiver::new::<HostRoot>(position, normal)?;
-        Ok(with_rung!(self, Kernel => form_factor::<Kernel, f32>(&receiver, vertices)))
+        Ok(self.form_factor_at(&receiver, vertices))
+    }
+
+    /// The form factor of a polygon from a receiver that is one already.
+    pub fn form_factor_at(self, receiver: &Receiver<f32>, vertices: &[[f32; 3]]) -> f32 {
+        with_rung!(self, Kernel => form_factor::<Kernel, f32>(receiver, vertices))
     }
 }
 
@@ -125,13 +130,61 @@ impl Rung {
 pub enum FormFactorRung {
     /// A rung that scenes are solved with.
     Float(Rung),
-    /// [`Q24`](fixed_point::Q24).
+    /// [`Q24`].
     Q24,
-    /// [`Q29`](fixed_point::Q29).
+    /// [`Q29`].
     Q29,
 }
 
 impl FormFactorRung {
+    /// All rungs, in the order of the ladder.
+    pub const ALL: [Self; 8] = [
+        Self::Float(Rung::Libm),
+        Self::Float(Rung::Micromath),
+        Self::Float(Rung::Poly3),
+        Self::Float(Rung::Poly5),
+        Self::Float(Rung::Poly8),
+        Self::Float(Rung::Best),
+        Self::Q24,
+        Self::Q29,
+    ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Float(rung) => rung.name(),
+            Self::Q24 => "q24",
+            Self::Q29 => "q29",
+        }
+    }
+
+    /// The form factor of a polygon as the device computes it, and its bits
+    /// there.
+    ///
+    /// # Errors
+    /// Those of [`Rung::form_factor`] and [`fixed_form_factor`].
+    pub fn form_factor(
+        self,
+        position: [f32; 3],
+        normal: [f32; 3],
+        vertices: &[[f32; 3]],
+    ) -> Result<(f64, u32), Error> {
+        Ok(match self {
+            Self::Float(rung) => {
+                let found = rung.form_factor(position, normal, vertices)?;
+                (found.into(), found.to_bits())
+            }
+            Self::Q24 => {
+                let found = fixed_form_factor::<Q24>(position, normal, vertices)?;
+                (found.into(), found.to_bits() as u32)
+            }
+            Self::Q29 => {
+                let found = fixed_form_factor::<Q29>(position, normal, vertices)?;
+                (found.into(), found.to_bits() as u32)
+            }
+        })
+    }
+
     /// The rung of a name.
     pub fn named(name: &str) -> Option<Self> {
         match name {

@@ -12,6 +12,9 @@
 //! | `ISOLUX_ARITHMETIC` | rung of the arithmetic ladder |
 //! | `ISOLUX_STOP` | `below FRACTION SHOTS`, `shots N` or `reflections N` |
 //!
+//! `ISOLUX_EVALUATIONS` is how many form factors a rung the program `hashes`
+//! evaluates.
+//!
 //! Without `ISOLUX_TABLES` the firmware builds, says what it lacks and exits 1.
 
 use std::env;
@@ -43,8 +46,15 @@ fn main() {
     for argument in ["--nmagic", "-Tlink.x"] {
         println!("cargo::rustc-link-arg-bins={argument}");
     }
-    for logging in ["firmware", "cost"] {
+    for logging in ["firmware", "cost", "hashes"] {
         println!("cargo::rustc-link-arg-bin={logging}=-Tdefmt.x");
+    }
+    match count("ISOLUX_EVALUATIONS", 10_000) {
+        Ok(count) => {
+            let source = format!("/// Form factors a rung.\nconst EVALUATIONS: u32 = {count};\n");
+            fs::write(out.join("evaluations.rs"), source).expect("OUT_DIR is writable");
+        }
+        Err(message) => println!("cargo::error={message}"),
     }
     match job() {
         Ok(source) => fs::write(out.join("job.rs"), source).expect("OUT_DIR is writable"),

@@ -11,6 +11,7 @@ mod form_factor;
 mod pipeline;
 mod render;
 mod solve;
+mod trade;
 
 use clap::{Args, Parser, Subcommand};
 use failure::Failure;
@@ -43,6 +44,8 @@ enum Command {
     FormFactor(form_factor::Arguments),
     /// Run the baked scene on an emulated Cortex-M and compare the bits.
     Device(device::Arguments),
+    /// Measure every rung of arithmetic: error against cost.
+    Trade(trade::Arguments),
 }
 
 /// A scene file, by path or by the name of a shipped scene.
@@ -90,5 +93,6 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
         Some(Command::Solve(arguments)) => solve::run(&arguments, json),
         Some(Command::FormFactor(arguments)) => form_factor::run(&arguments, json),
         Some(Command::Device(arguments)) => device::run(&arguments, json),
+        Some(Command::Trade(arguments)) => trade::run(&arguments, json),
     }
 }

@@ -154,7 +154,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-fn make(directory: &Path) -> Result<(), Failure> {
+pub(super) fn make(directory: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(directory).map_err(|error| {
         Failure::usage(
             format!("cannot make the directory {}: {error}", directory.display()),

@@ -14,7 +14,7 @@ use super::firmware::Toolchain;
 use super::log::{self, Line};
 
 /// The program of the firmware's package.
-const PROGRAM: &str = "cost";
+pub(super) const PROGRAM: &str = "cost";
 
 /// What calls of one operation cost.
 #[derive(Clone, Debug, PartialEq)]
@@ -118,7 +118,7 @@ pub fn costs(cores: &[Core], time_limit: Duration) -> Result<Vec<Vec<Cost>>, Err
 }
 
 /// The costs and the errors in a console.
-fn read(program: &[u8], console: &[u8]) -> Result<(Vec<Cost>, Vec<String>), Error> {
+pub(super) fn read(program: &[u8], console: &[u8]) -> Result<(Vec<Cost>, Vec<String>), Error> {
     let (mut costs, mut errors) = (Vec::new(), Vec::new());
     let mut announced = None;
     log::lines(program, console, |line| {

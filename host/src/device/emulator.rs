@@ -7,7 +7,7 @@
 
 use std::io::Read;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, ChildStderr, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -72,12 +72,34 @@ pub(crate) struct Output {
 
 /// Runs a firmware to its end, or to the time limit.
 pub(crate) fn run(core: Core, program: &Path, limit: Duration) -> Result<Output, Error> {
+    let everything = |mut pipe: ChildStderr| {
+        let mut bytes = Vec::new();
+        pipe.read_to_end(&mut bytes).map(|_| bytes)
+    };
+    let (status, console, complaints) = run_reading(core, program, &[], limit, everything)?;
+    Ok(Output {
+        status,
+        console,
+        complaints: String::from_utf8_lossy(&complaints).trim().to_owned(),
+    })
+}
+
+/// As [`run`], with more arguments for the emulator; `read` has what it writes
+/// to its stderr as it comes. Gives status, console, and what `read` gives.
+pub(crate) fn run_reading<T: Send + 'static>(
+    core: Core,
+    program: &Path,
+    arguments: &[String],
+    limit: Duration,
+    read: impl FnOnce(ChildStderr) -> std::io::Result<T> + Send + 'static,
+) -> Result<(Option<i32>, Vec<u8>, T), Error> {
     let doing = || format!("running {PROGRAM}");
     let mut child = Command::new(PROGRAM)
         .args(["-machine", core.machine()])
         .args(["-nographic", "-monitor", "none", "-serial", "null"])
         .args(["-icount", "shift=7"])
         .args(["-semihosting-config", "enable=on,target=native"])
+        .args(arguments)
         .arg("-kernel")
         .arg(program)
         .stdin(Stdio::null())
@@ -85,8 +107,11 @@ pub(crate) fn run(core: Core, program: &Path, limit: Duration) -> Result<Output,
         .stderr(Stdio::piped())
         .spawn()
         .map_err(Error::io(doing()))?;
-    let console = drain(child.stdout.take());
-    let complaints = drain(child.stderr.take());
+    let console = drain(child.stdout.take(), |mut pipe| {
+        let mut bytes = Vec::new();
+        pipe.read_to_end(&mut bytes).map(|_| bytes)
+    });
+    let complaints = drain(child.stderr.take(), read);
     let ended = wait(&mut child, limit);
     if !matches!(ended, Ok(Some(_))) {
         // Already gone is as good as stopped.
@@ -99,11 +124,7 @@ pub(crate) fn run(core: Core, program: &Path, limit: Duration) -> Result<Output,
             core: core.name(),
             limit,
         }),
-        Some(status) => Ok(Output {
-            status: status.code(),
-            console,
-            complaints: String::from_utf8_lossy(&complaints).trim().to_owned(),
-        }),
+        Some(status) => Ok((status.code(), console, complaints)),
     }
 }
 
@@ -125,21 +146,21 @@ fn wait(child: &mut Child, limit: Duration) -> std::io::Result<Option<std::proce
 }
 
 /// A thread that empties a pipe.
-type Drain = thread::JoinHandle<std::io::Result<Vec<u8>>>;
+type Drain<T> = thread::JoinHandle<std::io::Result<T>>;
 
 /// Empties a pipe beside the waiting, so that a talkative child never blocks.
-fn drain(pipe: Option<impl Read + Send + 'static>) -> Drain {
+fn drain<P: Send + 'static, T: Send + 'static>(
+    pipe: Option<P>,
+    read: impl FnOnce(P) -> std::io::Result<T> + Send + 'static,
+) -> Drain<T> {
     thread::spawn(move || {
-        let mut bytes = Vec::new();
-        if let Some(mut pipe) = pipe {
-            pipe.read_to_end(&mut bytes)?;
-        }
-        Ok(bytes)
+        let none = || std::io::Error::other("the child has no such pipe");
+        read(pipe.ok_or_else(none)?)
     })
 }
 
 /// What a pipe held.
-fn collect(drain: Drain) -> Result<Vec<u8>, Error> {
+fn collect<T>(drain: Drain<T>) -> Result<T, Error> {
     drain
         .join()
         .unwrap_or_else(|_| Err(std::io::Error::other("the reading thread failed")))

@@ -20,16 +20,20 @@ mod cost;
 mod emulator;
 mod error;
 mod firmware;
+mod hash;
 mod log;
 mod measured;
 mod size;
 pub mod stack;
+mod trace;
 
 pub use cost::{Cost, costs};
 pub use emulator::Core;
 pub use error::Error;
 pub use firmware::Toolchain;
+pub use hash::hashes;
 pub use measured::{Allowed, Difference, Measured, Skipped, Steps, Target};
+pub use trace::{Traced, traces};
 
 use std::fs;
 use std::path::Path;

@@ -1,12 +1,13 @@
 //! The measurements themselves.
 
 use core::hint::black_box;
+use core::sync::atomic::{Ordering, compiler_fence};
 
 use cortex_m as _; // its critical section
 use defmt_semihosting as _; // the global logger
 use isolux::Error;
 use isolux::form_factor::fixed_point::{self, Format, Q24, Q29};
-use isolux::form_factor::{Best, Libm, Outline, of_loops};
+use isolux::form_factor::{Best, Libm, Micromath, Outline, Poly3, Poly5, Poly8, of_loops};
 use isolux::geometry::{Plane, Receiver};
 use isolux::number::SoftRoot;
 use semihosting::process;
@@ -23,35 +24,70 @@ const HARDWARE_ROOT: bool = cfg!(all(target_abi = "eabihf", not(feature = "softw
 /// A form factor as the tables have it: the emitter's plane and reach are known.
 type Entry = fn(&Receiver<f32>, &Plane<f32>, &Outline<'_, f32>) -> f32;
 
-/// Defines a rung with a root as a function of its own: the cost is measured
-/// around its call.
-macro_rules! entry {
-    ($name:ident, $rung:ty) => {
-        #[inline(never)]
-        fn $name(receiver: &Receiver<f32>, plane: &Plane<f32>, outline: &Outline<'_, f32>) -> f32 {
-            of_loops::<$rung, f32>(receiver, plane, core::iter::once(*outline))
-        }
+/// A rung with a root.
+struct Rung {
+    name: &'static str,
+    /// `fpu` where the root is [`Chosen`], `libm` where it is the software one,
+    /// `own` where the rung brings its own.
+    root: &'static str,
+    entry: Entry,
+}
+
+/// Defines each rung with its root as a function of its own, around whose call
+/// the cost is measured. `isolux trade` finds it in the linked program by its
+/// name, `isolux_rung_NAME_ROOT`.
+macro_rules! rungs {
+    ($($function:ident: $name:literal, $root:literal, $kernel:ty;)*) => {
+        $(
+            #[inline(never)]
+            #[unsafe(no_mangle)]
+            fn $function(
+                receiver: &Receiver<f32>,
+                plane: &Plane<f32>,
+                outline: &Outline<'_, f32>,
+            ) -> f32 {
+                of_loops::<$kernel, f32>(receiver, plane, core::iter::once(*outline))
+            }
+        )*
+        const RUNGS: &[Rung] = &[
+            $(Rung { name: $name, root: $root, entry: $function },)*
+        ];
     };
 }
 
-entry!(best_fpu, Best<Chosen>);
-entry!(best_libm, Best<SoftRoot>);
-entry!(libm_fpu, Libm<Chosen>);
-entry!(libm_libm, Libm<SoftRoot>);
+rungs! {
+    isolux_rung_best_fpu: "best", "fpu", Best<Chosen>;
+    isolux_rung_best_libm: "best", "libm", Best<SoftRoot>;
+    isolux_rung_libm_fpu: "libm", "fpu", Libm<Chosen>;
+    isolux_rung_libm_libm: "libm", "libm", Libm<SoftRoot>;
+    isolux_rung_micromath_own: "micromath", "own", Micromath;
+    isolux_rung_poly3_fpu: "poly3", "fpu", Poly3<Chosen>;
+    isolux_rung_poly3_libm: "poly3", "libm", Poly3<SoftRoot>;
+    isolux_rung_poly5_fpu: "poly5", "fpu", Poly5<Chosen>;
+    isolux_rung_poly5_libm: "poly5", "libm", Poly5<SoftRoot>;
+    isolux_rung_poly8_fpu: "poly8", "fpu", Poly8<Chosen>;
+    isolux_rung_poly8_libm: "poly8", "libm", Poly8<SoftRoot>;
+}
 
-/// Rung, root, whether the root is [`Chosen`], function.
-const ENTRIES: [(&str, &str, bool, Entry); 4] = [
-    ("best", "fpu", true, best_fpu),
-    ("best", "libm", false, best_libm),
-    ("libm", "fpu", true, libm_fpu),
-    ("libm", "libm", false, libm_libm),
-];
+impl Rung {
+    /// Whether this program measures it: not without an FPU what would be
+    /// libm's root a second time, and under a trace, which is for one FPU,
+    /// nothing but what is best there.
+    fn is_measured(&self) -> bool {
+        if cfg!(feature = "trace") {
+            self.root != "libm"
+        } else {
+            HARDWARE_ROOT || self.root != "fpu"
+        }
+    }
+}
 
 /// A form factor in integers, with the emitter's plane known.
 type FixedEntry<F> = fn(&fixed_point::Receiver<F>, &fixed_point::Plane, &[[i64; 3]]) -> F;
 
 #[inline(never)]
-fn q24(
+#[unsafe(no_mangle)]
+fn isolux_rung_q24(
     receiver: &fixed_point::Receiver<Q24>,
     plane: &fixed_point::Plane,
     outline: &[[i64; 3]],
@@ -60,7 +96,8 @@ fn q24(
 }
 
 #[inline(never)]
-fn q29(
+#[unsafe(no_mangle)]
+fn isolux_rung_q29(
     receiver: &fixed_point::Receiver<Q29>,
     plane: &fixed_point::Plane,
     outline: &[[i64; 3]],
@@ -72,6 +109,13 @@ fn q29(
 #[inline(never)]
 fn outline<'a>(vertices: &'a [[f32; 3]]) -> (Plane<f32>, Outline<'a, f32>) {
     (Plane::of_polygon(vertices), Outline::new(vertices))
+}
+
+/// Where a trace of a measured call ends.
+#[inline(never)]
+#[unsafe(no_mangle)]
+extern "C" fn isolux_rung_end() {
+    compiler_fence(Ordering::SeqCst);
 }
 
 /// The classical form factor of a vertex.
@@ -142,15 +186,12 @@ fn run() -> Result<(), Error> {
     }
     for case in &CASES {
         for vertices in VERTICES {
-            for entry in ENTRIES {
-                if entry.2 && !HARDWARE_ROOT {
-                    continue;
-                }
-                form_factors(&meter, case, vertices, entry)?;
+            for rung in RUNGS.iter().filter(|rung| rung.is_measured()) {
+                form_factors(&meter, case, vertices, rung)?;
                 lines += 1;
             }
-            fixed_form_factors(&meter, case, vertices, ("q24", q24))?;
-            fixed_form_factors(&meter, case, vertices, ("q29", q29))?;
+            fixed_form_factors(&meter, case, vertices, ("q24", isolux_rung_q24))?;
+            fixed_form_factors(&meter, case, vertices, ("q29", isolux_rung_q29))?;
             lines += 2;
         }
     }
@@ -171,21 +212,17 @@ fn outlines(meter: &Meter, vertices: usize) {
     account.log(["outline", "-", "-", "-"], vertices);
 }
 
-fn form_factors(
-    meter: &Meter,
-    case: &Case,
-    vertices: usize,
-    (rung, root, _, entry): (&str, &str, bool, Entry),
-) -> Result<(), Error> {
+fn form_factors(meter: &Meter, case: &Case, vertices: usize, rung: &Rung) -> Result<(), Error> {
     let corners = case.emitter(vertices);
     let (plane, outline) = outline(&corners[..vertices]);
-    let entry = black_box(entry);
+    let entry = black_box(rung.entry);
     let mut account = Account::default();
     for index in 0..RECEIVERS {
         let receiver = case.receiver(index)?;
         account.add(meter.measure(|| entry(&receiver, &plane, &outline)));
+        isolux_rung_end();
     }
-    account.log(["form-factor", rung, root, case.name], vertices);
+    account.log(["form-factor", rung.name, rung.root, case.name], vertices);
     Ok(())
 }
 
@@ -202,6 +239,7 @@ fn fixed_form_factors<F: Format>(
         let corners = &corners[..vertices];
         let plane = fixed_point::Plane::of_polygon(corners);
         let (answer, cost) = meter.measure(|| entry(&receiver, &plane, corners));
+        isolux_rung_end();
         account.add((answer.to_bits() as f32, cost));
     }
     account.log(["form-factor", rung, "-", case.name], vertices);

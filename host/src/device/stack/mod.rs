@@ -33,6 +33,8 @@ pub struct Bounds {
     pub functions: BTreeMap<String, Bound>,
     /// Bytes of code that can be reached from any of them, themselves included.
     pub code: u64,
+    /// The functions that can be reached, bytes of code by address.
+    pub reached: BTreeMap<u64, u64>,
 }
 
 impl Bounds {
@@ -52,6 +54,14 @@ impl Bounds {
 /// the code; [`Error::Program`] where no function has that prefix or the
 /// disassembly is not what this reads.
 pub fn bounds(disassembler: &Path, program: &Path, prefix: &str) -> Result<Bounds, Error> {
+    let disassembly = disassemble(disassembler, program)?;
+    let bytes = fs::read(program).map_err(Error::io(format!("reading {}", program.display())))?;
+    let sizes = size::functions(&bytes)?;
+    Program::read(&disassembly, &sizes)?.bounds(prefix)
+}
+
+/// What llvm-objdump says of a linked program.
+pub(super) fn disassemble(disassembler: &Path, program: &Path) -> Result<String, Error> {
     let output = Command::new(disassembler)
         .args(["--disassemble", "--no-show-raw-insn", "--demangle"])
         .args(["--mattr=+vfp4,+dsp,+thumb2"])
@@ -63,9 +73,7 @@ pub fn bounds(disassembler: &Path, program: &Path, prefix: &str) -> Result<Bound
             what: String::from_utf8_lossy(&output.stderr).trim().to_owned(),
         });
     }
-    let bytes = fs::read(program).map_err(Error::io(format!("reading {}", program.display())))?;
-    let sizes = size::functions(&bytes)?;
-    Program::read(&String::from_utf8_lossy(&output.stdout), &sizes)?.bounds(prefix)
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
 /// A function as disassembled.
@@ -171,11 +179,11 @@ impl Program {
                 what: format!("no function's name begins with {prefix}"),
             });
         }
-        bounds.code = reached
+        bounds.reached = reached
             .iter()
-            .filter_map(|start| self.functions.get(start))
-            .map(|function| function.size)
-            .sum();
+            .filter_map(|start| Some((*start, self.functions.get(start)?.size)))
+            .collect();
+        bounds.code = bounds.reached.values().sum();
         Ok(bounds)
     }
 
@@ -237,13 +245,13 @@ impl Program {
 }
 
 /// `000009bc <name>:`
-fn header(line: &str) -> Option<(u64, &str)> {
+pub(super) fn header(line: &str) -> Option<(u64, &str)> {
     let (address, name) = line.strip_suffix(">:")?.split_once(" <")?;
     Some((u64::from_str_radix(address, 16).ok()?, name))
 }
 
 /// `     9bc:       push {r4, lr}   @ comment`: the address and the instruction.
-fn instruction(line: &str) -> Option<(u64, &str)> {
+pub(super) fn instruction(line: &str) -> Option<(u64, &str)> {
     let (address, rest) = line.trim_start().split_once(':')?;
     let rest = rest.split(" @ ").next().unwrap_or(rest);
     Some((u64::from_str_radix(address, 16).ok()?, rest.trim()))

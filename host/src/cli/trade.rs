@@ -1,0 +1,199 @@
+//! `isolux trade`: every rung measured.
+
+use super::choice::RungArguments;
+use super::failure::Failure;
+use super::pipeline;
+use super::render::make;
+use crate::picture::{TradeMark, TradePanel, trade_off};
+use crate::reference::Reflections;
+use crate::report::{Progress, write_file};
+use crate::trade::scene::{InScene, Judged};
+use crate::trade::{self, FormFactors, table};
+use clap::Args;
+use serde::Serialize;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Measures every rung of arithmetic: error by class on 2400 form factors,
+/// exact instructions, estimated cycles and bytes of code on the emulated
+/// device, time on this machine; with a scene, its irradiance and its cost as
+/// well. Writes trade.csv, trade-classes.csv, trade-scene.csv and trade.png.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// The scene file, or the name of a scene that isolux ships; without one,
+    /// form factors alone.
+    scene: Option<PathBuf>,
+    /// The directory for the files; made where it does not exist.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Light in the scene is reflected at most so many times.
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "scene")]
+    bounces: u32,
+}
+
+#[derive(Serialize)]
+struct Traded<'a> {
+    form_factors: &'a [FormFactors],
+    scene: Option<SceneTraded<'a>>,
+    /// Why the device's figures are missing.
+    missing: Option<String>,
+    files: &'a [String],
+}
+
+#[derive(Serialize)]
+struct SceneTraded<'a> {
+    name: &'a str,
+    reflections: u32,
+    rungs: &'a [InScene],
+}
+
+/// A scene's name with its rows.
+type OfScene = (String, Vec<InScene>);
+
+pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
+    // A scene that cannot be and a directory that cannot be made are found out
+    // before the work is done.
+    let planned = match &arguments.scene {
+        Some(path) => Some(pipeline::plan(
+            pipeline::read(path)?,
+            &RungArguments::default(),
+        )?),
+        None => None,
+    };
+    make(&arguments.output)?;
+    let step = |name: &str| Progress::start(name, 0).finish();
+    let (rows, missing) = trade::form_factors(step).map_err(|error| Failure::limit(error, ""))?;
+    let missing = missing.map(|error| error.to_string());
+    if let Some(missing) = &missing {
+        // A closed stderr leaves nobody to tell.
+        let _ = writeln!(
+            std::io::stderr(),
+            "no figures of the device, or not all: {missing}"
+        );
+    }
+    let scene = match &planned {
+        Some(planned) => {
+            let reflections = arguments.bounces;
+            let judged = Judged {
+                scene: &planned.scene,
+                plan: &planned.plan,
+                tables: &planned.tables,
+                reflections,
+                direct: &pipeline::judge(&planned.scene, Reflections::AtMost(0))?,
+                all: &pipeline::judge(&planned.scene, Reflections::AtMost(reflections as usize))?,
+            };
+            let on_device = rows.iter().any(|row| row.device.is_some());
+            let found = trade::scene(&judged, on_device, step);
+            let found = found.map_err(|error| Failure::limit(error, ""))?;
+            Some((planned.scene.name.clone(), found))
+        }
+        None => None,
+    };
+    let files = write(arguments, &rows, scene.as_ref())?;
+    let mut out = std::io::stdout().lock();
+    if json {
+        let traded = Traded {
+            form_factors: &rows,
+            scene: scene.as_ref().map(|(name, rungs)| SceneTraded {
+                name,
+                reflections: arguments.bounces,
+                rungs,
+            }),
+            missing,
+            files: &files,
+        };
+        serde_json::to_writer(&mut out, &traded).map_err(std::io::Error::from)?;
+        writeln!(out)?;
+    } else {
+        writeln!(
+            out,
+            "form factors: |F - exact|, and of tiny emitters |F - exact|/exact"
+        )?;
+        writeln!(
+            out,
+            "cost of a quad's on a Cortex-M4F, cycles estimated; front: * absolute, o relative"
+        )?;
+        writeln!(out, "{}", table::terminal(&rows))?;
+        if let Some((name, rungs)) = &scene {
+            let times = arguments.bounces;
+            writeln!(
+                out,
+                "\n{name}: irradiance, percent of full scale, light reflected at most {times} times"
+            )?;
+            writeln!(out, "{}", table::scene_terminal(rungs))?;
+        }
+        for file in &files {
+            writeln!(out, "wrote {file}")?;
+        }
+    }
+    out.flush()?;
+    Ok(())
+}
+
+/// Writes the files and gives their names.
+fn write(
+    arguments: &Arguments,
+    rows: &[FormFactors],
+    scene: Option<&OfScene>,
+) -> Result<Vec<String>, Failure> {
+    let picture = plot(rows).and_then(|picture| picture.png());
+    let picture = picture.map_err(|error| Failure::limit(error, ""))?;
+    let mut files = vec![
+        ("trade.csv", table::csv(rows).into_bytes()),
+        ("trade-classes.csv", table::classes_csv(rows).into_bytes()),
+        ("trade.png", picture),
+    ];
+    if let Some((name, rungs)) = scene {
+        let text = table::scene_csv(name, arguments.bounces, rungs);
+        files.push(("trade-scene.csv", text.into_bytes()));
+    }
+    let mut written = Vec::new();
+    for (name, bytes) in files {
+        let path = arguments.output.join(name);
+        write_file(&path, &bytes).map_err(|error| Failure::usage(error, ""))?;
+        written.push(path.display().to_string());
+    }
+    Ok(written)
+}
+
+fn plot(rows: &[FormFactors]) -> Result<crate::picture::Picture, crate::picture::PictureError> {
+    let device = rows.iter().filter_map(|row| row.device.as_ref());
+    let cost = match (
+        device.clone().count() > 0,
+        device.clone().all(|d| d.m4f_cycles.is_some()),
+    ) {
+        (true, true) => "estimated cycles of a quad, Cortex-M4F",
+        (true, false) => "instructions of a quad, Cortex-M4F",
+        _ => "nanoseconds of a form factor, this machine",
+    };
+    let panel = |error: &str, of: fn(&FormFactors) -> (f64, bool)| TradePanel {
+        cost: cost.to_owned(),
+        error: error.to_owned(),
+        marks: rows
+            .iter()
+            .map(|row| {
+                let (error, on_front) = of(row);
+                TradeMark {
+                    name: row.rung.to_owned(),
+                    cost: row.cost(),
+                    error,
+                    on_front,
+                }
+            })
+            .collect(),
+    };
+    let captions = [
+        "left: any emitter, the largest error; right: relative error for F from 1e-13 to 1e-3 (1: no digit is right)",
+        "filled: on the Pareto front, nothing is both as cheap and as good; the line is what a cost buys",
+    ];
+    trade_off(
+        "Rungs of arithmetic: error of a form factor against its cost",
+        &captions.map(str::to_owned),
+        &[
+            panel("largest |F - exact|", |row| (row.error.max, row.on_front)),
+            panel("largest |F - exact| / exact", |row| {
+                (row.error.tiny_relative(), row.on_relative_front)
+            }),
+        ],
+    )
+}

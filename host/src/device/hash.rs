@@ -1,0 +1,74 @@
+//! Hashes of many answers on the device: whether bits differ anywhere, without
+//! sending them all.
+
+use std::collections::BTreeMap;
+use std::ffi::OsStr;
+use std::time::Duration;
+
+use super::emulator::{self, Core};
+use super::error::Error;
+use super::firmware::Toolchain;
+use super::log::{self, Line};
+
+/// The program of the firmware's package.
+const PROGRAM: &str = "hashes";
+
+/// Evaluates so many form factors of a fixed sequence on every rung and on each
+/// core; FNV-1a of 64 bits over the answers' bits, by rung.
+///
+/// # Errors
+/// See [`Error`].
+pub fn hashes(
+    cores: &[Core],
+    evaluations: u32,
+    time_limit: Duration,
+) -> Result<Vec<BTreeMap<String, u64>>, Error> {
+    let toolchain = Toolchain::find()?;
+    let directory = tempfile::tempdir().map_err(Error::io("creating a temporary directory"))?;
+    let program = directory.path().join(PROGRAM);
+    let evaluations = evaluations.to_string();
+    let environment = [("ISOLUX_EVALUATIONS", OsStr::new(&evaluations))];
+    let mut built: Option<&str> = None;
+    let mut found = Vec::new();
+    for &core in cores {
+        if built != Some(core.target()) {
+            toolchain.require(core)?;
+            toolchain.link(core, PROGRAM, &[], &environment, &program)?;
+            built = Some(core.target());
+        }
+        let output = emulator::run(core, &program, time_limit)?;
+        let mut errors = Vec::new();
+        let mut hashes = BTreeMap::new();
+        let mut announced = None;
+        log::lines(&super::read(&program)?, &output.console, |line| {
+            match line {
+                Line::Error(line) => errors.push(line),
+                Line::Message(line) => match *line.split(' ').collect::<Vec<_>>().as_slice() {
+                    ["hash", rung, hash] => {
+                        let hash = u64::from_str_radix(hash, 16);
+                        hashes.insert(rung.to_owned(), hash.map_err(|_| unread(&line))?);
+                    }
+                    ["end", "hashes", count] => announced = count.parse::<usize>().ok(),
+                    _ => return Err(unread(&line)),
+                },
+            }
+            Ok(())
+        })?;
+        if output.status != Some(0) || announced != Some(hashes.len()) {
+            errors.push(output.complaints);
+            return Err(Error::Firmware {
+                core: core.name(),
+                status: output.status,
+                said: errors.join("; "),
+            });
+        }
+        found.push(hashes);
+    }
+    Ok(found)
+}
+
+fn unread(line: &str) -> Error {
+    Error::Log {
+        what: format!("the line \"{line}\""),
+    }
+}
