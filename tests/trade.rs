@@ -97,7 +97,8 @@ fn no_rung_takes_more_cycles_than_committed() {
         eprintln!("SKIPPED: {error}");
         return;
     }
-    let figures: [(&str, fn(&FormFactors) -> Option<f64>); 4] = [
+    type Figure = fn(&FormFactors) -> Option<f64>;
+    let figures: [(&str, Figure); 4] = [
         ("m4f_cycles", |row| row.device.as_ref()?.m4f_cycles),
         ("m4f_cycles_per_edge", |row| {
             row.device.as_ref()?.m4f_cycles_per_edge

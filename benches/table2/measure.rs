@@ -322,7 +322,9 @@ impl Times {
         let (lean_source, lean_patch) = (Lean::new(SOURCE_SIDE), Lean::new(PATCH_SIDE));
         let unreflected: Vec<Parameters> = columns.iter().map(unreflected).collect();
         let mut calls: Vec<Box<dyn FnMut() + '_>> = vec![
-            Box::new(|| black_box(&mut light).direct()),
+            Box::new(|| {
+                black_box(&mut light).direct();
+            }),
             Box::new(|| {
                 black_box(&mut other).solve(Stop::Reflections(1));
             }),
