@@ -116,12 +116,10 @@ impl<const DEGREE: usize, N: Floating, R: Root<N>> HalfAngle<DEGREE, N, R> {
         Some(per_sine * self.normal.dot(c))
     }
 
-    /// γ n·c/|c| of an edge of any width.
+    /// γ n·c/|c| of an edge towards 180°.
+    #[cold]
     #[inline(never)]
-    fn careful_edge(&self, a: &Vertex<'_, N, R>, b: &Vertex<'_, N, R>) -> N {
-        if let Some(term) = self.edge(a, b) {
-            return term;
-        }
+    fn wide_edge(&self, a: &Vertex<'_, N, R>, b: &Vertex<'_, N, R>) -> N {
         let c = self.accurate_cross(a, b);
         let sine = R::sqrt(c.norm_squared());
         if sine <= N::ZERO {
@@ -161,15 +159,24 @@ impl<'a, const DEGREE: usize, N: Floating, R: Root<N>> Edges<N, Vertex<'a, N, R>
 {
     type Sum = N;
 
+    #[inline(always)]
     fn whole(&self, sum: N, from: Vertex<'a, N, R>, to: Vertex<'a, N, R>) -> N {
-        sum + self.careful_edge(&from, &to)
+        let term = match self.edge(&from, &to) {
+            Some(term) => term,
+            None => self.wide_edge(&from, &to),
+        };
+        sum + term
     }
 
     /// γ n·c/|c| with γ of the part and c of the whole edge: close to an edge,
     /// rounding a crossing would turn the plane it spans with the receiver.
     #[inline(never)]
     fn cut(&self, sum: N, [a, b]: [Vertex<'a, N, R>; 2], [from, to]: [Vertex<'a, N, R>; 2]) -> N {
-        let c = self.accurate_cross(&from, &to);
+        let mut c = from.position.cross(to.position);
+        let r = from.norm * to.norm;
+        if c.norm_squared() < N::of(WIDE) * (r * r) {
+            c = self.accurate_cross(&from, &to);
+        }
         let sine = R::sqrt(c.norm_squared());
         if sine <= N::ZERO {
             return sum; // the receiver is on the edge's line

@@ -51,8 +51,11 @@ fn fixed_form_factor<F: Format>(case: &Case) -> Option<F> {
     Some(fixed_point::form_factor(&receiver, places))
 }
 
+/// Hashes the answers of one rung.
+type Hashes = fn() -> u64;
+
 /// The rungs.
-const RUNGS: &[(&str, fn() -> u64)] = &[
+const RUNGS: &[(&str, Hashes)] = &[
     ("libm", hash::<Libm<Chosen>>),
     ("micromath", hash::<Micromath>),
     ("poly3", hash::<Poly3<Chosen>>),
