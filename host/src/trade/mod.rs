@@ -1,7 +1,7 @@
 //! What every rung of arithmetic gives and what it costs.
 //!
 //! [`form_factors`] measures each rung of [`FormFactorRung::ALL`] on a suite of cases
-//! ([`suite`]) and on the emulated device; [`scene`] does the same with a baked
+//! ([`suite`]) and on the emulated device; [`scene()`] does the same with a baked
 //! scene. Nothing here knows the rungs by name: one more on the ladder is one
 //! more line of every table.
 
