@@ -22,7 +22,7 @@ pub const CASES: usize = 200;
 /// | `near_vertex` | the receiver 1e-6 to 1e-2 from a vertex |
 /// | `grazing` | the emitter within 1e-5 to 1e-2 rad of the horizon |
 /// | `tiny` | F from about 1e-12 to 1e-4 |
-/// | `huge` | F above 0.5, up to 0.9999 |
+/// | `huge` | F above 0.5, up to 0.97 |
 /// | `sliver` | 1e-6 to 1e-2 as thick as long |
 /// | `offset` | ordinary, 1e2 to 1e5 from the origin |
 /// | `scale` | ordinary, 1e-6 to 1e6 in size |
@@ -293,7 +293,7 @@ mod tests {
             });
             match class {
                 "backface" => assert_eq!(high, 0.0),
-                "huge" => assert!(low > 0.5 && high > 0.99, "{low} {high}"),
+                "huge" => assert!(low > 0.5 && high > 0.95, "{low} {high}"),
                 "tiny" => assert!(low < 1e-10 && high < 1e-3, "{low} {high}"),
                 _ => assert!(low > 0.0 && high < 1.0, "{class} {low} {high}"),
             }

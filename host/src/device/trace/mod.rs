@@ -278,8 +278,11 @@ mod tests {
      40a:      \tnop
      40c:      \tbx\tlr
 
-00000410 <isolux_rung_end>:
-     410:      \tbx\tlr
+00000410 <between>:
+     410:      \tnop
+
+00000420 <isolux_rung_end>:
+     420:      \tbx\tlr
 ";
 
     fn traced(addresses: &[u64]) -> Vec<Call> {
@@ -294,8 +297,8 @@ mod tests {
 
     #[test]
     fn calls_are_weighted_and_told_apart() {
-        let taken = [0x400, 0x402, 0x404, 0x408, 0x40c, 0x410];
-        let through = [0x400, 0x402, 0x404, 0x408, 0x40a, 0x40c, 0x410];
+        let taken = [0x400, 0x402, 0x404, 0x408, 0x40c, 0x420];
+        let through = [0x400, 0x402, 0x404, 0x408, 0x40a, 0x40c, 0x420];
         let calls = traced(&[&[0x404], &taken[..], &[0x402], &through[..]].concat());
         let counts: Vec<_> = calls.iter().map(|c| (c.instructions, c.cycles)).collect();
         // 2 + 1 loads, 14 the division, 1 + 2 the branch, 1 + 2 the return.
