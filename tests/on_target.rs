@@ -6,7 +6,7 @@
 
 use isolux::form_factor::Best;
 use isolux::number::SoftRoot;
-use isolux::scene::records::{Emitter, Header, Loop, Surface, checksum};
+use isolux::scene::records::{Counts, Emitter, Header, Loop, Surface, checksum};
 use isolux::scene::{Aligned, MAGIC, Scene, VERSION, required_bytes};
 use isolux::shoot::{Light, Stop};
 use isolux_host::device::{self, Core, Error, Job, Measured, Options};
@@ -30,7 +30,8 @@ fn surfaces() -> [Surface; 3] {
         axis_v: [0.0, 1.0, 0.0],
         normal: [0.0, 0.0, 1.0],
         size: [5.0, 5.0],
-        reflectance: 0.5,
+        direct: 0,
+        indirect: 0,
         filter_radius: 1.5,
         first_sample: 0,
         samples: 25,
@@ -49,7 +50,8 @@ fn surfaces() -> [Surface; 3] {
         axis_v: [1.0, 0.0, 0.0],
         normal: [0.0, 0.0, -1.0],
         size: [2.0, 2.0],
-        reflectance: 0.0,
+        direct: 0,
+        indirect: 0,
         filter_radius: 0.0,
         first_sample: 50,
         samples: 0,
@@ -61,21 +63,16 @@ fn surfaces() -> [Surface; 3] {
 /// emitter that all of its samples belong to.
 fn tables() -> Vec<u8> {
     let surfaces = surfaces();
-    let emitter = |surface: u32, exitance, reflectance, first_member, members| Emitter {
+    let emitter = |surface: u32, first_member, members| Emitter {
         surface,
         first_loop: surface,
         loops: 1,
         first_member,
         members,
-        exitance,
-        reflectance,
         area: surfaces[surface as usize].size.iter().product(),
     };
-    let emitters = [
-        emitter(2, 100.0, 0.0, 0, 0),
-        emitter(0, 0.0, 0.5, 0, 25),
-        emitter(1, 0.0, 0.5, 25, 25),
-    ];
+    let emitters = [emitter(2, 0, 0), emitter(0, 0, 25), emitter(1, 25, 25)];
+    let (reflectances, exitances) = ([0.5_f32, 0.5, 0.0], [100.0_f32]);
     let loops = [0, 1, 2].map(|index| Loop {
         first_vertex: 4 * index,
         vertices: 4,
@@ -93,22 +90,31 @@ fn tables() -> Vec<u8> {
     let samples: Vec<[f32; 2]> = (0..50).map(|index| grid(index % 25)).collect();
     let members: Vec<u16> = (0..50).collect();
 
-    let mut header = Header {
-        magic: MAGIC,
-        version: VERSION,
-        bytes: required_bytes(3, 3, 3, 12, 50, 50).expect("far below 4 GiB"),
-        checksum: 0,
+    let counts = Counts {
+        channels: 1,
+        coefficients: 1,
         surfaces: 3,
+        luminaires: 1,
         emitters: 3,
         loops: 3,
         vertices: 12,
         samples: 50,
         members: 50,
+        ..Counts::default()
+    };
+    let mut header = Header {
+        magic: MAGIC,
+        version: VERSION,
+        bytes: required_bytes(&counts).expect("far below 4 GiB"),
+        checksum: 0,
+        counts,
         tolerance: 5e-6,
     };
     let sections = [
         surfaces.as_bytes(),
+        reflectances.as_bytes(),
         emitters.as_bytes(),
+        exitances.as_bytes(),
         loops.as_bytes(),
         vertices.as_bytes(),
         samples.as_bytes(),
@@ -146,8 +152,6 @@ fn run(tables: &[u8], expected: &[u32], options: &Options) -> Option<Measured> {
     let job = Job {
         scene: "corner",
         tables,
-        samples: SAMPLES,
-        emitters: EMITTERS,
         arithmetic: "best",
         stop: STOP,
         resolution: RESOLUTION,
@@ -211,19 +215,16 @@ fn the_paper_scene_gives_the_hosts_bits_on_every_core() {
     let tables = bake::bake(&scene, &plan).expect("tables");
     for rung in [Rung::Best, Rung::Libm] {
         let solution = solve::solve(&tables, rung, STOP).expect("a solution");
-        let mut expected: Vec<f32> = solution.irradiance().to_vec();
+        let mut expected = solution.bits(&solution.irradiance());
         for (index, surface) in plan.surfaces.iter().enumerate() {
             if !surface.samples.is_empty() {
                 let grid = solution.resample(index, RESOLUTION as u32).expect("a grid");
-                expected.extend(grid.values);
+                expected.extend(solution.bits(&grid.values));
             }
         }
-        let expected: Vec<u32> = expected.into_iter().map(f32::to_bits).collect();
         let job = Job {
             scene: &scene.name,
             tables: tables.bytes(),
-            samples: tables.samples,
-            emitters: tables.emitters,
             arithmetic: rung.name(),
             stop: STOP,
             resolution: RESOLUTION,
@@ -242,7 +243,7 @@ fn the_paper_scene_gives_the_hosts_bits_on_every_core() {
         assert!(measured.bits_equal, "{rung:?}");
         assert_eq!(
             measured.values,
-            tables.samples + 2 * RESOLUTION * RESOLUTION
+            tables.counts.samples as usize + 2 * RESOLUTION * RESOLUTION
         );
         assert!(measured.budget.kept, "{rung:?}");
         assert!(measured.stack_bytes <= measured.stack_bound_bytes);
@@ -292,8 +293,6 @@ fn changed_tables_are_refused_on_the_device() {
     let job = Job {
         scene: "corner",
         tables: &tables,
-        samples: SAMPLES,
-        emitters: EMITTERS,
         arithmetic: "best",
         stop: STOP,
         resolution: RESOLUTION,
@@ -324,8 +323,6 @@ fn an_emulation_without_end_is_stopped() {
     let job = Job {
         scene: "corner",
         tables: &tables,
-        samples: SAMPLES,
-        emitters: EMITTERS,
         arithmetic: "best",
         stop: STOP,
         resolution: RESOLUTION,

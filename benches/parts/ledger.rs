@@ -70,8 +70,6 @@ fn scene(planned: &Planned) -> Result<Vec<Row>, Error> {
     let job = Job {
         scene: &planned.scene.name,
         tables: planned.tables.bytes(),
-        samples: planned.tables.samples,
-        emitters: planned.tables.emitters,
         arithmetic: Rung::Best.name(),
         stop: Stop::below(0.001),
         resolution: 200,

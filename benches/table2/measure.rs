@@ -144,8 +144,8 @@ pub(crate) fn scene(
     let times = Times::measure(planned, &columns)?;
     structured.seconds = times.structured;
     structured.at_samples = Some([A, B].map(|surface| {
-        let sampled = solution.irradiance();
-        largest_error(planned, &once, sampled, surface)
+        let sampled: Vec<f32> = solution.irradiance().iter().map(|e| e[0]).collect();
+        largest_error(planned, &once, &sampled, surface)
     }));
     let mut classical = Vec::new();
     for (parameters, &seconds) in columns.iter().zip(&times.classical) {
@@ -213,8 +213,6 @@ fn instructions(planned: &Planned) -> Result<Legs, Error> {
     let job = Job {
         scene: &planned.scene.name,
         tables: planned.tables.bytes(),
-        samples: planned.tables.samples,
-        emitters: planned.tables.emitters,
         arithmetic: Rung::Best.name(),
         stop: Stop::Reflections(1),
         // Resampling is not part of either method's time.

@@ -3,11 +3,13 @@
 //! The format is specified with [`isolux::scene`]. Baking the same plan twice
 //! gives the same bytes.
 
+use crate::plan::patches::Patch;
 use crate::plan::{Band, Plan, SurfacePlan};
 use crate::scene::Scene;
+use crate::scene::requires::requirements;
 use glam::DVec3;
 use isolux::form_factor::Outline;
-use isolux::scene::records::{Emitter, Header, Loop, Surface, checksum};
+use isolux::scene::records::{Counts, Emitter, Header, Loop, Shape, Surface, checksum};
 use isolux::scene::{MAGIC, VERSION, required_bytes};
 use std::f64::consts::PI;
 use std::mem::offset_of;
@@ -18,10 +20,8 @@ use zerocopy::IntoBytes;
 pub struct Tables {
     /// Whole words, so that the bytes are aligned as the kernel asks.
     words: Vec<u32>,
-    /// Samples in all.
-    pub samples: usize,
-    /// Luminaires and secondary emitters.
-    pub emitters: usize,
+    /// How many there are of everything.
+    pub counts: Counts,
 }
 
 impl Tables {
@@ -54,24 +54,27 @@ impl std::error::Error for TooLarge {}
 /// largest coordinate.
 const TOLERANCE: f64 = 1e-6;
 
-/// Bakes a planned scene of one channel.
+/// Bakes a planned scene.
 ///
 /// # Errors
 /// [`TooLarge`] where a count does not fit the tables.
 pub fn bake(scene: &Scene, plan: &Plan) -> Result<Tables, TooLarge> {
-    let mut content = Content::default();
+    let mut content = Content::new(scene, plan);
     for (surface, planned) in scene.surfaces.iter().zip(&plan.surfaces) {
         content.surface(surface, planned);
     }
     for (index, surface) in scene.surfaces.iter().enumerate() {
-        if surface.radiance[0] > 0.0 {
-            content.luminaire(index, surface);
+        if surface.emits() {
+            content.luminaire(index, surface, &plan.surfaces[index]);
         }
     }
     let mut first_sample = 0;
-    for (index, (surface, planned)) in scene.surfaces.iter().zip(&plan.surfaces).enumerate() {
+    for (index, planned) in plan.surfaces.iter().enumerate() {
         for band in &planned.bands {
-            content.band(index, surface, planned, band, first_sample)?;
+            content.band(index, planned, band, first_sample)?;
+        }
+        for patch in &planned.patches {
+            content.patch(index, planned, patch, first_sample)?;
         }
         first_sample += planned.samples.len();
     }
@@ -82,17 +85,41 @@ fn single(v: DVec3) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }
 
-#[derive(Default)]
 struct Content {
+    channels: usize,
+    coefficients: usize,
     surfaces: Vec<Surface>,
+    reflectances: Vec<f32>,
     emitters: Vec<Emitter>,
+    exitances: Vec<f32>,
+    shapes: Vec<Shape>,
     loops: Vec<Loop>,
     vertices: Vec<[f32; 3]>,
+    corners: Vec<[f32; 2]>,
     samples: Vec<[f32; 2]>,
+    weights: Vec<f32>,
     members: Vec<u16>,
 }
 
 impl Content {
+    fn new(scene: &Scene, plan: &Plan) -> Self {
+        Self {
+            channels: requirements(scene).channels,
+            coefficients: if plan.is_linear() { 3 } else { 1 },
+            surfaces: Vec::new(),
+            reflectances: Vec::new(),
+            emitters: Vec::new(),
+            exitances: Vec::new(),
+            shapes: Vec::new(),
+            loops: Vec::new(),
+            vertices: Vec::new(),
+            corners: Vec::new(),
+            samples: Vec::new(),
+            weights: Vec::new(),
+            members: Vec::new(),
+        }
+    }
+
     fn surface(&mut self, surface: &crate::scene::Surface, planned: &SurfacePlan) {
         let frame = &planned.frame;
         self.surfaces.push(Surface {
@@ -101,114 +128,175 @@ impl Content {
             axis_v: single(frame.v),
             normal: single(frame.normal),
             size: [frame.size_u as f32, frame.size_v as f32],
-            reflectance: surface.reflectance[0] as f32,
             filter_radius: planned.filter_radius as f32,
             first_sample: self.samples.len() as u32,
             samples: planned.samples.len() as u32,
+            direct: planned.direct() as u32,
+            indirect: planned.reflected() as u32,
         });
-        self.samples.extend(
-            planned
-                .samples
-                .iter()
-                .map(|sample| sample.place.map(|x| x as f32)),
-        );
+        let reflectance = surface.reflectance.map(|rho| rho as f32);
+        self.reflectances.extend(&reflectance[..self.channels]);
+        let places = planned.samples.iter();
+        self.samples
+            .extend(places.map(|sample| sample.place.map(|x| x as f32)));
     }
 
-    fn luminaire(&mut self, index: usize, surface: &crate::scene::Surface) {
-        let first_loop = self.loops.len() as u32;
+    fn luminaire(&mut self, index: usize, surface: &crate::scene::Surface, planned: &SurfacePlan) {
+        let emitter = self.emitter(index, surface.area);
+        let exitance = surface.radiance.map(|radiance| (PI * radiance) as f32);
+        self.exitances.extend(&exitance[..self.channels]);
+        let outline: Vec<[f64; 2]> = planned
+            .frame
+            .vertices
+            .iter()
+            .map(|&(u, v)| [u, v])
+            .collect();
+        let center = surface.center();
+        let (u, v) = planned.frame.to_local(center);
+        let farthest = surface
+            .vertices
+            .iter()
+            .map(|vertex| vertex.distance(center));
+        let shape = ([u, v], farthest.fold(0.0, f64::max));
         self.outline(
             surface
                 .vertices
                 .iter()
                 .map(|&vertex| single(vertex))
                 .collect(),
+            &outline,
+            shape,
         );
-        self.emitters.push(Emitter {
-            surface: index as u32,
-            first_loop,
-            loops: 1,
-            first_member: self.members.len() as u32,
-            members: 0,
-            exitance: (PI * surface.radiance[0]) as f32,
-            reflectance: 0.0,
-            area: surface.area as f32,
-        });
+        self.finish(emitter, shape);
     }
 
     fn band(
         &mut self,
         index: usize,
-        surface: &crate::scene::Surface,
         planned: &SurfacePlan,
         band: &Band,
         first_sample: usize,
     ) -> Result<(), TooLarge> {
-        let first_loop = self.loops.len() as u32;
-        let first_member = self.members.len() as u32;
+        let emitter = self.emitter(index, band.area.max(0.0));
         for outline in &band.loops {
-            let place = |&sample: &usize| {
-                let [u, v] = planned.samples[sample].vertex;
-                single(planned.frame.to_world(u, v))
-            };
-            self.outline(outline.iter().map(place).collect());
+            let places: Vec<[f64; 2]> = outline
+                .iter()
+                .map(|&sample| planned.samples[sample].vertex)
+                .collect();
+            self.outline(in_space(planned, &places), &places, NO_SHAPE);
         }
         for &member in &band.members {
-            let member = u16::try_from(first_sample + member);
-            self.members
-                .push(member.map_err(|_| TooLarge { what: "samples" })?);
+            self.member(first_sample + member)?;
         }
-        self.emitters.push(Emitter {
-            surface: index as u32,
-            first_loop,
-            loops: band.loops.len() as u32,
-            first_member,
-            members: band.members.len() as u32,
-            exitance: 0.0,
-            reflectance: surface.reflectance[0] as f32,
-            area: band.area.max(0.0) as f32,
-        });
+        self.finish(emitter, NO_SHAPE);
         Ok(())
     }
 
-    fn outline(&mut self, vertices: Vec<[f32; 3]>) {
+    fn patch(
+        &mut self,
+        index: usize,
+        planned: &SurfacePlan,
+        patch: &Patch,
+        first_sample: usize,
+    ) -> Result<(), TooLarge> {
+        let emitter = self.emitter(index, patch.area);
+        let shape = (patch.center, patch.scale);
+        for piece in &patch.pieces {
+            self.outline(in_space(planned, piece), piece, shape);
+        }
+        for (member, weights) in &patch.members {
+            self.member(first_sample + member)?;
+            self.weights.extend(weights.map(|weight| weight as f32));
+        }
+        self.finish(emitter, shape);
+        Ok(())
+    }
+
+    /// An emitter whose loops and members are those that come now.
+    fn emitter(&self, surface: usize, area: f64) -> Emitter {
+        Emitter {
+            surface: surface as u32,
+            first_loop: self.loops.len() as u32,
+            loops: 0,
+            first_member: self.members.len() as u32,
+            members: 0,
+            area: area as f32,
+        }
+    }
+
+    fn finish(&mut self, mut emitter: Emitter, (center, scale): OwnFrame) {
+        emitter.loops = self.loops.len() as u32 - emitter.first_loop;
+        emitter.members = self.members.len() as u32 - emitter.first_member;
+        self.emitters.push(emitter);
+        if self.coefficients > 1 {
+            self.shapes.push(Shape {
+                center: center.map(|x| x as f32),
+                scale: scale as f32,
+            });
+        }
+    }
+
+    fn member(&mut self, sample: usize) -> Result<(), TooLarge> {
+        let sample = u16::try_from(sample).map_err(|_| TooLarge { what: "samples" })?;
+        self.members.push(sample);
+        Ok(())
+    }
+
+    /// A loop in space, and the same in the surface's frame.
+    fn outline(&mut self, vertices: Vec<[f32; 3]>, places: &[[f64; 2]], own: OwnFrame) {
         self.loops.push(Loop {
             first_vertex: self.vertices.len() as u32,
             vertices: vertices.len() as u32,
             reach_squared: Outline::new(&vertices).reach_squared(),
         });
         self.vertices.extend(vertices);
+        if self.coefficients > 1 {
+            let (center, scale) = own;
+            self.corners.extend(places.iter().map(|&[u, v]| {
+                [(u - center[0]) / scale, (v - center[1]) / scale].map(|x| x as f32)
+            }));
+        }
+    }
+
+    fn counts(&self) -> Result<Counts, TooLarge> {
+        let count = |n: usize, what| u32::try_from(n).map_err(|_| TooLarge { what });
+        Ok(Counts {
+            channels: self.channels as u32,
+            coefficients: self.coefficients as u32,
+            surfaces: count(self.surfaces.len(), "surfaces")?,
+            luminaires: count(self.exitances.len() / self.channels, "luminaires")?,
+            emitters: count(self.emitters.len(), "emitters")?,
+            shapes: count(self.shapes.len(), "shapes")?,
+            loops: count(self.loops.len(), "loops")?,
+            vertices: count(self.vertices.len(), "vertices")?,
+            corners: count(self.corners.len(), "corners")?,
+            samples: count(self.samples.len(), "samples")?,
+            members: count(self.members.len(), "members")?,
+            weights: count(self.weights.len(), "weights")?,
+        })
     }
 
     fn into_tables(self, scene: &Scene) -> Result<Tables, TooLarge> {
-        let count = |n: usize, what| u32::try_from(n).map_err(|_| TooLarge { what });
-        let mut header = Header {
+        let counts = self.counts()?;
+        let header = Header {
             magic: MAGIC,
             version: VERSION,
-            bytes: 0,
+            bytes: required_bytes(&counts).ok_or(TooLarge { what: "bytes" })?,
             checksum: 0,
-            surfaces: count(self.surfaces.len(), "surfaces")?,
-            emitters: count(self.emitters.len(), "emitters")?,
-            loops: count(self.loops.len(), "loops")?,
-            vertices: count(self.vertices.len(), "vertices")?,
-            samples: count(self.samples.len(), "samples")?,
-            members: count(self.members.len(), "members")?,
+            counts,
             tolerance: (TOLERANCE * largest_coordinate(scene)) as f32,
         };
-        header.bytes = required_bytes(
-            header.surfaces,
-            header.emitters,
-            header.loops,
-            header.vertices,
-            header.samples,
-            header.members,
-        )
-        .ok_or(TooLarge { what: "bytes" })?;
         let mut bytes = header.as_bytes().to_vec();
         bytes.extend_from_slice(self.surfaces.as_bytes());
+        bytes.extend_from_slice(self.reflectances.as_bytes());
         bytes.extend_from_slice(self.emitters.as_bytes());
+        bytes.extend_from_slice(self.exitances.as_bytes());
+        bytes.extend_from_slice(self.shapes.as_bytes());
         bytes.extend_from_slice(self.loops.as_bytes());
         bytes.extend_from_slice(self.vertices.as_bytes());
+        bytes.extend_from_slice(self.corners.as_bytes());
         bytes.extend_from_slice(self.samples.as_bytes());
+        bytes.extend_from_slice(self.weights.as_bytes());
         bytes.extend_from_slice(self.members.as_bytes());
         bytes.resize(header.bytes as usize, 0);
         let field = offset_of!(Header, checksum);
@@ -216,12 +304,20 @@ impl Content {
         bytes[field..field + 4].copy_from_slice(&sum.to_le_bytes());
         let mut words = vec![0_u32; bytes.len() / 4];
         words.as_mut_bytes().copy_from_slice(&bytes);
-        Ok(Tables {
-            words,
-            samples: self.samples.len(),
-            emitters: self.emitters.len(),
-        })
+        Ok(Tables { words, counts })
     }
+}
+
+/// Centroid in the surface's frame and unit of length of an emitter's own
+/// coordinates.
+type OwnFrame = ([f64; 2], f64);
+
+/// That of an emitter of constant radiosity, which needs none.
+const NO_SHAPE: OwnFrame = ([0.0; 2], 1.0);
+
+fn in_space(planned: &SurfacePlan, places: &[[f64; 2]]) -> Vec<[f32; 3]> {
+    let place = |&[u, v]: &[f64; 2]| single(planned.frame.to_world(u, v));
+    places.iter().map(place).collect()
 }
 
 fn largest_coordinate(scene: &Scene) -> f64 {

@@ -9,6 +9,7 @@ use isolux::Error;
 use isolux::form_factor::fixed_point::{self, Format, Q24, Q29, Scale};
 use isolux::form_factor::{Arithmetic, Best, Libm, Micromath, Poly3, Poly5, Poly8, form_factor};
 use isolux::geometry::Receiver;
+use isolux::luminance::{Colour, Constant, Linear, Luminance, Rgb};
 use isolux::number::Root;
 use isolux::scene::Scene;
 use isolux::shoot::{Light, Solved, Stop};
@@ -220,6 +221,9 @@ const SAMPLES: usize = 1 << 14;
 /// The most emitters a solve on the host holds.
 const EMITTERS: usize = 1 << 12;
 
+/// Light in the three channels; a grey scene has the same in all.
+pub type Channels = [f32; 3];
+
 /// A solved scene.
 pub struct Solution<'t> {
     light: Box<dyn Lit + 't>,
@@ -227,42 +231,105 @@ pub struct Solution<'t> {
     pub solved: Solved,
 }
 
-/// [`Light`] with its rung and capacities out of sight.
+/// [`Light`] with its rung, its channels and capacities out of sight.
 trait Lit: Send + Sync {
     fn solve(&mut self, stop: Stop) -> Solved;
-    fn irradiance(&self) -> &[f32];
-    fn at(&self, receiver: &Receiver<f32>) -> f32;
-    fn radiosity(&self, emitter: usize) -> f32;
-    fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<f32>, Error>;
-    fn row(&self, surface: usize, grid: [u32; 2], row: u32, out: &mut [f32]) -> Result<u32, Error>;
+    fn channels(&self) -> usize;
+    fn irradiance(&self) -> Vec<Channels>;
+    fn at(&self, receiver: &Receiver<f32>) -> Channels;
+    fn radiosity(&self, emitter: usize) -> Channels;
+    fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<Channels>, Error>;
+    fn row(
+        &self,
+        surface: usize,
+        grid: [u32; 2],
+        row: u32,
+        out: &mut [Channels],
+    ) -> Result<u32, Error>;
 }
 
-impl<A: Arithmetic<f32> + Send + Sync> Lit for Light<'_, A, SAMPLES, EMITTERS> {
+/// A colour on the host.
+trait ToChannels: Colour {
+    fn channels(self) -> Channels;
+}
+
+impl ToChannels for f32 {
+    fn channels(self) -> Channels {
+        [self; 3]
+    }
+}
+
+impl ToChannels for Rgb {
+    fn channels(self) -> Channels {
+        self.0
+    }
+}
+
+impl<A, L> Lit for Light<'_, A, SAMPLES, EMITTERS, L>
+where
+    A: Arithmetic<f32> + Send + Sync,
+    L: Luminance<Colour: ToChannels>,
+{
     fn solve(&mut self, stop: Stop) -> Solved {
         Light::solve(self, stop)
     }
 
-    fn irradiance(&self) -> &[f32] {
-        Light::irradiance(self)
+    fn channels(&self) -> usize {
+        L::Colour::CHANNELS
     }
 
-    fn at(&self, receiver: &Receiver<f32>) -> f32 {
-        Light::at(self, receiver)
+    fn irradiance(&self) -> Vec<Channels> {
+        let values = Light::irradiance(self).iter();
+        values.map(|value| value.channels()).collect()
     }
 
-    fn radiosity(&self, emitter: usize) -> f32 {
-        Light::radiosity(self, emitter)
+    fn at(&self, receiver: &Receiver<f32>) -> Channels {
+        Light::at(self, receiver).channels()
     }
 
-    fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<f32>, Error> {
+    fn radiosity(&self, emitter: usize) -> Channels {
+        Light::radiosity(self, emitter).mean().channels()
+    }
+
+    fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<Channels>, Error> {
         let filtered = self.resample_at::<HostRoot>(surface, place)?;
-        Ok(filtered.map(|filtered| filtered.value))
+        Ok(filtered.map(|filtered| filtered.value.channels()))
     }
 
-    fn row(&self, surface: usize, grid: [u32; 2], row: u32, out: &mut [f32]) -> Result<u32, Error> {
-        Ok(self
-            .resample_row::<HostRoot>(surface, grid, row, out)?
-            .out_of_reach)
+    fn row(
+        &self,
+        surface: usize,
+        grid: [u32; 2],
+        row: u32,
+        out: &mut [Channels],
+    ) -> Result<u32, Error> {
+        let mut values = vec![L::Colour::DARK; out.len()];
+        let row = self.resample_row::<HostRoot>(surface, grid, row, &mut values)?;
+        for (out, value) in out.iter_mut().zip(values) {
+            *out = value.channels();
+        }
+        Ok(row.out_of_reach)
+    }
+}
+
+/// The kernel's state for a scene, of the type that its tables ask for.
+fn dark<A>(scene: Scene<'_>) -> Result<Box<dyn Lit + '_>, Error>
+where
+    A: Arithmetic<f32> + Send + Sync + 'static,
+{
+    fn of<'t, A, L>(scene: Scene<'t>) -> Result<Box<dyn Lit + 't>, Error>
+    where
+        A: Arithmetic<f32> + Send + Sync + 'static,
+        L: Luminance<Colour: ToChannels>,
+    {
+        Ok(Box::new(Light::<A, SAMPLES, EMITTERS, L>::new(scene)?))
+    }
+    let counts = scene.counts();
+    match (counts.channels, counts.coefficients) {
+        (1, 1) => of::<A, Constant<f32>>(scene),
+        (1, _) => of::<A, Linear<f32>>(scene),
+        (_, 1) => of::<A, Constant<Rgb>>(scene),
+        _ => of::<A, Linear<Rgb>>(scene),
     }
 }
 
@@ -272,9 +339,7 @@ impl<A: Arithmetic<f32> + Send + Sync> Lit for Light<'_, A, SAMPLES, EMITTERS> {
 /// Those of [`Scene::load`] and [`Light::new`].
 pub fn solve(tables: &Tables, rung: Rung, stop: Stop) -> Result<Solution<'_>, Error> {
     let scene = Scene::load(tables.bytes())?;
-    let mut light: Box<dyn Lit + '_> = with_rung!(rung, Kernel => {
-        Box::new(Light::<Kernel, SAMPLES, EMITTERS>::new(scene)?)
-    });
+    let mut light = with_rung!(rung, Kernel => dark::<Kernel>(scene)?);
     let solved = light.solve(stop);
     Ok(Solution { light, solved })
 }
@@ -283,19 +348,30 @@ pub fn solve(tables: &Tables, rung: Rung, stop: Stop) -> Result<Solution<'_>, Er
 #[derive(Clone, Debug)]
 pub struct Grid {
     /// Irradiance row by row, row 0 at v = 0.
-    pub values: Vec<f32>,
+    pub values: Vec<Channels>,
     /// Places that had no sample within the filter's radius.
     pub out_of_reach: u32,
 }
 
 impl Solution<'_> {
+    /// 1 or 3.
+    pub fn channels(&self) -> usize {
+        self.light.channels()
+    }
+
+    /// The bits of values in the scene's channels, as the device has them.
+    pub fn bits(&self, values: &[Channels]) -> Vec<u32> {
+        let each = values.iter().flat_map(|value| &value[..self.channels()]);
+        each.map(|value| value.to_bits()).collect()
+    }
+
     /// Irradiance of every sample, in the order of the tables.
-    pub fn irradiance(&self) -> &[f32] {
+    pub fn irradiance(&self) -> Vec<Channels> {
         self.light.irradiance()
     }
 
-    /// Radiosity that an emitter has shot.
-    pub fn radiosity(&self, emitter: usize) -> f32 {
+    /// Mean radiosity that an emitter has shot.
+    pub fn radiosity(&self, emitter: usize) -> Channels {
         self.light.radiosity(emitter)
     }
 
@@ -303,7 +379,7 @@ impl Solution<'_> {
     ///
     /// # Errors
     /// [`Error::Receiver`] for a place or normal that is none.
-    pub fn at(&self, receivers: &[([f32; 3], [f32; 3])]) -> Result<Vec<f32>, Error> {
+    pub fn at(&self, receivers: &[([f32; 3], [f32; 3])]) -> Result<Vec<Channels>, Error> {
         let one = |&(position, normal): &([f32; 3], [f32; 3])| {
             Ok(self.light.at(&Receiver::new::<HostRoot>(position, normal)?))
         };
@@ -315,7 +391,7 @@ impl Solution<'_> {
     ///
     /// # Errors
     /// [`Error::Unknown`] where there is no such surface.
-    pub fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<f32>, Error> {
+    pub fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<Channels>, Error> {
         self.light.resampled(surface, place)
     }
 
@@ -325,7 +401,7 @@ impl Solution<'_> {
     /// # Errors
     /// [`Error::Unknown`] where there is no such surface.
     pub fn resample(&self, surface: usize, resolution: u32) -> Result<Grid, Error> {
-        let mut values = vec![0.0; (resolution * resolution) as usize];
+        let mut values = vec![[0.0; 3]; (resolution * resolution) as usize];
         let rows = values
             .par_chunks_mut(resolution.max(1) as usize)
             .enumerate();

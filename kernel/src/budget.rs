@@ -1,38 +1,44 @@
 //! What a scene costs, known before it runs.
 
 use crate::scene::Scene;
+use crate::scene::records::Counts;
 
-/// Bytes of RAM that [`Light`](crate::shoot::Light) takes on a 32-bit part:
-/// 4 a sample, 8 an emitter, and 64 for the borrowed tables and the counts.
+/// Bytes of RAM that [`Light`](crate::shoot::Light) takes on a 32-bit part: for
+/// every channel 4 a sample and 8 an emitter's coefficient, and 104 for the
+/// borrowed tables and the counts.
 ///
 /// Exact on thumb targets: the firmware does not compile where `size_of` differs.
-pub const fn light_bytes(samples: usize, emitters: usize) -> usize {
-    4 * samples + 8 * emitters + 64
+pub const fn light_bytes(counts: &Counts) -> usize {
+    let coefficients = counts.emitters as usize * counts.coefficients as usize;
+    counts.channels as usize * (4 * counts.samples as usize + 8 * coefficients) + 104
 }
 
 /// Form factors that direct light costs: one per luminaire and sample, less
 /// the samples on a luminaire's own surface.
 pub fn direct_form_factors(scene: &Scene<'_>) -> u64 {
-    shots(scene, |emitter| emitter.exitance > 0.0)
+    shots(scene, true)
 }
 
 /// Form factors that one reflection costs at the most: one per emitter and
 /// sample, less the samples on an emitter's own surface.
 pub fn reflection_form_factors(scene: &Scene<'_>) -> u64 {
-    shots(scene, |emitter| emitter.members > 0)
+    shots(scene, false)
 }
 
-fn shots(scene: &Scene<'_>, counts: impl Fn(&crate::scene::records::Emitter) -> bool) -> u64 {
-    let all = scene.samples().len() as u64;
+fn shots(scene: &Scene<'_>, of_luminaires: bool) -> u64 {
+    let receivers = |surface| {
+        let samples = scene.receivers(surface, of_luminaires);
+        samples.len() as u64
+    };
+    let all: u64 = scene.surfaces().iter().map(receivers).sum();
     scene
         .emitters()
         .iter()
-        .filter(|emitter| counts(emitter))
-        .map(|emitter| {
-            let own = scene
-                .surface(emitter.surface as usize)
-                .map_or(0, |s| u64::from(s.samples));
-            all.saturating_sub(own)
+        .enumerate()
+        .filter(|&(index, _)| scene.is_luminaire(index) == of_luminaires)
+        .map(|(_, emitter)| {
+            let own = scene.surface(emitter.surface as usize);
+            all.saturating_sub(own.map_or(0, receivers))
         })
         .fold(0, u64::saturating_add)
 }

@@ -98,11 +98,23 @@ pub enum What {
     Loops,
     /// Vertices of loops.
     Vertices,
-    /// The samples an emitter's radiosity is the mean of.
+    /// Reflectances.
+    Reflectances,
+    /// Emitted radiosities.
+    Exitances,
+    /// The emitters' own coordinates.
+    Shapes,
+    /// The samples an emitter's radiosity is had from.
     Members,
+    /// What those samples weigh.
+    Weights,
+    /// Channels of light.
+    Channels,
+    /// Coefficients of an emitter's radiosity.
+    Coefficients,
     /// Rows of a grid.
     Rows,
-    /// Corners of a clipped polygon.
+    /// Corners of polygons in the plane.
     Corners,
 }
 
@@ -115,7 +127,13 @@ impl fmt::Display for What {
             Self::Emitters => "emitters",
             Self::Loops => "loops",
             Self::Vertices => "vertices",
+            Self::Reflectances => "reflectances",
+            Self::Exitances => "exitances",
+            Self::Shapes => "shapes",
             Self::Members => "members",
+            Self::Weights => "weights",
+            Self::Channels => "channels",
+            Self::Coefficients => "coefficients",
             Self::Rows => "rows",
             Self::Corners => "corners",
         })

@@ -53,6 +53,7 @@ pub mod clip;
 pub mod error;
 pub mod form_factor;
 pub mod geometry;
+pub mod luminance;
 pub mod number;
 pub mod resample;
 pub mod scene;

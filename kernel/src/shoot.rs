@@ -3,9 +3,11 @@
 //!
 //! The state is one irradiance per sample and two radiosities per emitter.
 //! An emitter's radiosity is B = M + ρ mean(E) over the samples at its
-//! vertices (the paper's reconstruction for light transfer), and what it has
-//! not yet shot is B less what it has. Shooting adds ΔB F to the irradiance of
-//! every sample, by Eq. 2 and 3 of the paper; E = B F is the same as π L F.
+//! vertices (the paper's reconstruction for light transfer), or linear in place
+//! with a mean and two gradients, each a weighted sum of its samples'
+//! irradiances; what it has not yet shot is B less what it has. Shooting adds
+//! ΔB F to the irradiance of every sample, by Eq. 2 and 3 of the paper; E = B F is
+//! the same as π L F.
 //! (The paper's Eq. 4 with the sum of Eq. 3 written out, its Eq. 5, lacks a
 //! factor 1/2 and the normalisation of the cross product, and has the light's
 //! normal in place of the receiver's; here the second bounce is Eq. 3 again,
@@ -20,32 +22,44 @@ use crate::Error;
 use crate::error::What;
 use crate::form_factor::Arithmetic;
 use crate::geometry::Receiver;
-use crate::scene::records::Emitter;
+use crate::luminance::{Colour, Constant, Luminance};
 use crate::scene::{BRIGHTEST, Scene};
 use core::marker::PhantomData;
 use heapless::Vec;
 
 /// The light in a scene, for at most `SAMPLES` samples and `EMITTERS` emitters.
 ///
+/// `A` is the arithmetic rung, `L` how radiosity varies over an emitter and how
+/// many channels it has; both must be what the tables were baked for.
 /// RAM: [`budget::light_bytes`](crate::budget::light_bytes).
 #[derive(Clone, Debug)]
-pub struct Light<'t, A, const SAMPLES: usize, const EMITTERS: usize> {
+pub struct Light<'t, A, const SAMPLES: usize, const EMITTERS: usize, L = Constant<f32>>
+where
+    L: Luminance,
+{
     scene: Scene<'t>,
     /// Irradiance of every sample, W m⁻².
-    irradiance: Vec<f32, SAMPLES>,
-    emitters: Vec<Shot, EMITTERS>,
+    irradiance: Vec<L::Colour, SAMPLES>,
+    emitters: Vec<Shot<L>, EMITTERS>,
     /// Form factors evaluated since the scene was dark.
     form_factors: u32,
     rung: PhantomData<A>,
 }
 
 /// What one emitter has done.
-#[derive(Clone, Copy, Debug, Default)]
-struct Shot {
+#[derive(Clone, Copy, Debug)]
+struct Shot<L> {
     /// Radiosity shot so far, W m⁻².
-    shot: f32,
+    shot: L,
     /// Radiosity to be shot in the present generation, W m⁻².
-    pending: f32,
+    pending: L,
+}
+
+impl<L: Luminance> Shot<L> {
+    const NOTHING: Self = Self {
+        shot: L::DARK,
+        pending: L::DARK,
+    };
 }
 
 /// When to stop.
@@ -91,20 +105,29 @@ pub struct Solved {
     pub unshot: f32,
 }
 
-impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
-    Light<'t, A, SAMPLES, EMITTERS>
+impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize, L: Luminance>
+    Light<'t, A, SAMPLES, EMITTERS, L>
 {
     /// A dark scene, ready to be lit.
     ///
     /// # Errors
     /// [`Error::Capacity`] where the scene has more samples or emitters than
-    /// the type holds.
+    /// the type holds, or other channels or coefficients.
     pub fn new(scene: Scene<'t>) -> Result<Self, Error> {
         let full = |what, needed: usize, have: usize| Error::Capacity {
             what,
             needed: needed as u32,
             have: have as u32,
         };
+        let counts = scene.counts();
+        let channels = counts.channels as usize;
+        if channels != L::Colour::CHANNELS {
+            return Err(full(What::Channels, channels, L::Colour::CHANNELS));
+        }
+        let coefficients = counts.coefficients as usize;
+        if coefficients != L::COEFFICIENTS {
+            return Err(full(What::Coefficients, coefficients, L::COEFFICIENTS));
+        }
         let mut light = Self {
             scene,
             irradiance: Vec::new(),
@@ -115,11 +138,11 @@ impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
         let (samples, emitters) = (scene.samples().len(), scene.emitters().len());
         light
             .irradiance
-            .resize(samples, 0.0)
+            .resize(samples, L::Colour::DARK)
             .map_err(|_| full(What::Samples, samples, SAMPLES))?;
         light
             .emitters
-            .resize(emitters, Shot::default())
+            .resize(emitters, Shot::NOTHING)
             .map_err(|_| full(What::Emitters, emitters, EMITTERS))?;
         Ok(light)
     }
@@ -130,14 +153,14 @@ impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
     }
 
     /// Irradiance of every sample in W m⁻², in the order of the tables.
-    pub fn irradiance(&self) -> &[f32] {
+    pub fn irradiance(&self) -> &[L::Colour] {
         &self.irradiance
     }
 
     /// Takes all light away.
     pub fn darken(&mut self) {
-        self.irradiance.fill(0.0);
-        self.emitters.fill(Shot::default());
+        self.irradiance.fill(L::Colour::DARK);
+        self.emitters.fill(Shot::NOTHING);
         self.form_factors = 0;
     }
 
@@ -165,8 +188,8 @@ impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
             let pending = self
                 .emitters
                 .get(index)
-                .map_or(0.0, |emitter| emitter.pending);
-            if pending > 0.0 {
+                .map_or(L::DARK, |emitter| emitter.pending);
+            if pending.mean().total() > 0.0 {
                 self.send(index, pending);
                 shots = shots.saturating_add(1);
             }
@@ -180,7 +203,7 @@ impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
         let mut best = None;
         let mut largest = 0.0;
         for (index, emitter) in self.scene.emitters().iter().enumerate() {
-            let power = self.unshot(index) * emitter.area;
+            let power = self.unshot(index).mean().total() * emitter.area;
             if power > largest {
                 (best, largest) = (Some(index), power);
             }
@@ -236,91 +259,114 @@ impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize>
         const SCALE: f32 = 1.0 / (1 << 24) as f32;
         let (mut unshot, mut emitted) = (0.0, 0.0);
         for (index, emitter) in self.scene.emitters().iter().enumerate() {
-            unshot += self.unshot(index) * SCALE * emitter.area;
-            emitted += emitter.exitance * SCALE * emitter.area;
+            let left = self.unshot(index).mean().total();
+            let exitance = self.scene.exitance::<L::Colour>(index).total();
+            unshot += if left > 0.0 { left } else { 0.0 } * SCALE * emitter.area;
+            emitted += exitance * SCALE * emitter.area;
         }
         if emitted > 0.0 { unshot / emitted } else { 0.0 }
     }
 
-    /// The radiosity in W m⁻² that an emitter has shot so far; 0 where there is
-    /// no such emitter.
-    pub fn radiosity(&self, emitter: usize) -> f32 {
+    /// The radiosity in W m⁻² that an emitter has shot so far; dark where there
+    /// is no such emitter.
+    pub fn radiosity(&self, emitter: usize) -> L {
         self.emitters
             .get(emitter)
-            .map_or(0.0, |emitter| emitter.shot)
+            .map_or(L::DARK, |emitter| emitter.shot)
     }
 
     /// The irradiance at any place in W m⁻², from everything that has been
-    /// shot: no resampling.
+    /// shot: no resampling. Not below 0, where a linear radiosity that falls to
+    /// darkness would be.
     ///
-    /// Cost: one form factor per emitter. The answer depends on the receiver
-    /// alone, not on which others were asked.
-    pub fn at(&self, receiver: &Receiver<f32>) -> f32 {
-        let mut sum = 0.0;
-        for (emitter, state) in self.scene.emitters().iter().zip(&self.emitters) {
-            if state.shot > 0.0 {
-                sum += state.shot * self.scene.form_factor::<A>(receiver, emitter);
+    /// Cost: [`Scene::received`] for every emitter. The answer depends on the
+    /// receiver alone, not on which others were asked.
+    pub fn at(&self, receiver: &Receiver<f32>) -> L::Colour {
+        let mut sum = L::Colour::DARK;
+        for (index, state) in self.emitters.iter().enumerate() {
+            if state.shot != L::DARK {
+                sum = sum.plus(self.scene.received::<A, L>(receiver, index, state.shot));
             }
         }
-        sum
+        sum.map(|value| if value > 0.0 { value } else { 0.0 })
     }
 
     /// Radiosity of an emitter that it has not yet shot.
-    fn unshot(&self, index: usize) -> f32 {
-        let (Some(emitter), Some(state)) =
-            (self.scene.emitters().get(index), self.emitters.get(index))
-        else {
-            return 0.0;
+    ///
+    /// In tables of an impossible scene more may arrive than was sent, and
+    /// grow: it is held where every sum of it is finite. A constant radiosity is
+    /// not below 0, which only rounding makes it; a linear one may be in a
+    /// channel where its samples' fit is.
+    fn unshot(&self, index: usize) -> L {
+        let Some(state) = self.emitters.get(index) else {
+            return L::DARK;
         };
-        let unshot = emitter.exitance + self.reflected(emitter) - state.shot;
-        // In tables of an impossible scene more may arrive than was sent, and
-        // grow: it is held where every sum of it is finite.
-        if unshot > BRIGHTEST {
-            BRIGHTEST
-        } else if unshot > 0.0 {
-            unshot
-        } else {
+        let exitance = L::uniform(self.scene.exitance(index));
+        let lowest = if L::COEFFICIENTS == 1 {
             0.0
-        }
+        } else {
+            -BRIGHTEST
+        };
+        let held = |value: f32| {
+            if value > BRIGHTEST {
+                BRIGHTEST
+            } else if value > lowest {
+                value
+            } else {
+                lowest
+            }
+        };
+        exitance
+            .zip(self.reflected(index), Colour::plus)
+            .zip(state.shot, |all, shot| {
+                all.zip(shot, |all, shot| held(all - shot))
+            })
     }
 
-    /// ρ times the mean irradiance of the emitter's members.
-    fn reflected(&self, emitter: &Emitter) -> f32 {
-        let members = self.scene.members_of(emitter);
-        if members.is_empty() {
-            return 0.0;
+    /// ρ times the irradiance of the emitter's members: their mean, or what
+    /// their weights make of it.
+    fn reflected(&self, index: usize) -> L {
+        let Some(emitter) = self.scene.emitters().get(index) else {
+            return L::DARK;
+        };
+        if emitter.members == 0 {
+            return L::DARK;
         }
-        let mut sum = 0.0;
-        for &member in members {
-            sum += self
-                .irradiance
-                .get(usize::from(member))
-                .copied()
-                .unwrap_or(0.0);
+        let mut sum = L::DARK;
+        for (sample, weights) in self.scene.members_of(emitter) {
+            let irradiance = self.irradiance.get(sample).copied();
+            sum = sum.gather(irradiance.unwrap_or(L::Colour::DARK), weights);
         }
-        emitter.reflectance * (sum / members.len() as f32)
+        let reflectance = self
+            .scene
+            .reflectance::<L::Colour>(emitter.surface as usize);
+        sum.gathered(emitter.members as usize)
+            .zip(L::DARK, |all, _| all.zip(reflectance, |e, rho| rho * e))
     }
 
-    /// Adds `radiosity` F to the irradiance of every sample.
-    fn send(&mut self, index: usize, radiosity: f32) {
+    /// Adds what every sample receives from this much radiosity.
+    fn send(&mut self, index: usize, radiosity: L) {
         let scene = self.scene;
         let Some(emitter) = scene.emitters().get(index) else {
             return;
         };
+        let is_luminaire = scene.is_luminaire(index);
         for (number, surface) in (0_u32..).zip(scene.surfaces()) {
             if number == emitter.surface {
                 continue; // a planar polygon does not light its own plane
             }
-            let (first, places) = scene.samples_of(surface);
-            self.form_factors = self.form_factors.saturating_add(places.len() as u32);
-            let values = self.irradiance.iter_mut().skip(first);
-            for (value, &place) in values.zip(places) {
+            let samples = scene.receivers(surface, is_luminaire);
+            self.form_factors = self.form_factors.saturating_add(samples.len() as u32);
+            let places = scene.samples().get(samples.clone()).unwrap_or(&[]);
+            let values = self.irradiance.get_mut(samples).unwrap_or_default();
+            for (value, &place) in values.iter_mut().zip(places) {
                 let receiver = Receiver::of_unit(surface.place(place), surface.normal.into());
-                *value += radiosity * scene.form_factor::<A>(&receiver, emitter);
+                let more = scene.received::<A, L>(&receiver, index, radiosity);
+                *value = value.plus(more);
             }
         }
         if let Some(state) = self.emitters.get_mut(index) {
-            state.shot += radiosity;
+            state.shot = state.shot.zip(radiosity, Colour::plus);
         }
     }
 }

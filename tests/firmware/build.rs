@@ -6,8 +6,6 @@
 //! | variable | holds |
 //! | --- | --- |
 //! | `ISOLUX_TABLES` | path of the baked tables (bytes) |
-//! | `ISOLUX_SAMPLES` | samples the scene's type has room for |
-//! | `ISOLUX_EMITTERS` | emitters the scene's type has room for |
 //! | `ISOLUX_RESOLUTION` | rows and columns of each resampled grid |
 //! | `ISOLUX_ARITHMETIC` | rung of the arithmetic ladder |
 //! | `ISOLUX_STOP` | `below FRACTION SHOTS`, `shots N` or `reflections N` |
@@ -17,6 +15,8 @@
 //!
 //! Without `ISOLUX_TABLES` the firmware builds, says what it lacks and exits 1.
 
+use isolux::scene::Scene;
+use isolux::scene::records::Counts;
 use std::env;
 use std::fmt::Write as _;
 use std::fs;
@@ -101,11 +101,37 @@ fn stop() -> Result<String, String> {
     })
 }
 
+/// What the tables say they hold.
+fn counts(path: &str) -> Result<Counts, String> {
+    let bytes = fs::read(path).map_err(|error| format!("reading {path}: {error}"))?;
+    // The kernel reads tables where words may lie: at a multiple of four.
+    let room = vec![0_u8; bytes.len() + 4];
+    let start = room.as_ptr().align_offset(4);
+    let mut room = room;
+    let place = &mut room[start..start + bytes.len()];
+    place.copy_from_slice(&bytes);
+    let scene = Scene::load(place).map_err(|error| format!("{path}: {error}"))?;
+    Ok(*scene.counts())
+}
+
+/// The kernel's type of radiosity for these tables.
+fn luminance(counts: &Counts) -> String {
+    let colour = if counts.channels == 1 {
+        "f32"
+    } else {
+        "isolux::luminance::Rgb"
+    };
+    let form = if counts.coefficients == 1 {
+        "Constant"
+    } else {
+        "Linear"
+    };
+    format!("isolux::luminance::{form}<{colour}>")
+}
+
 /// The Rust source of the job.
 fn job() -> Result<String, String> {
     let stop = stop()?;
-    let samples = count("ISOLUX_SAMPLES", 1)?;
-    let emitters = count("ISOLUX_EMITTERS", 1)?;
     let resolution = count("ISOLUX_RESOLUTION", 200)?;
     let rung = variable("ISOLUX_ARITHMETIC").unwrap_or_else(|| "best".to_owned());
     let arithmetic = ARITHMETIC
@@ -119,8 +145,13 @@ fn job() -> Result<String, String> {
                 names.join(", ")
             )
         })?;
-    let tables = match variable("ISOLUX_TABLES") {
-        None => "b\"\"".to_owned(),
+    let none = Counts {
+        channels: 1,
+        coefficients: 1,
+        ..Counts::default()
+    };
+    let (tables, counts) = match variable("ISOLUX_TABLES") {
+        None => ("b\"\"".to_owned(), none),
         Some(path) => {
             if !Path::new(&path).is_file() {
                 return Err(format!(
@@ -128,17 +159,18 @@ fn job() -> Result<String, String> {
                 ));
             }
             println!("cargo::rerun-if-changed={path}");
-            format!("include_bytes!({path:?})")
+            (format!("include_bytes!({path:?})"), counts(&path)?)
         }
     };
     let mut source = String::new();
     let lines = [
         "/// Rows and columns of each resampled grid.".to_owned(),
         format!("pub(crate) const RESOLUTION: usize = {resolution};"),
-        "/// Room for samples.".to_owned(),
-        format!("pub(crate) const SAMPLES: usize = {samples};"),
-        "/// Room for emitters.".to_owned(),
-        format!("pub(crate) const EMITTERS: usize = {emitters};"),
+        "/// What the tables hold.".to_owned(),
+        "pub(crate) const COUNTS: isolux::scene::records::Counts =".to_owned(),
+        format!("    isolux::scene::records::{counts:?};"),
+        "/// How radiosity varies over an emitter, and its channels.".to_owned(),
+        format!("pub(crate) type Luminance = {};", luminance(&counts)),
         "/// The rung of form-factor arithmetic.".to_owned(),
         format!("pub(crate) type Arithmetic = {arithmetic};"),
         "/// When to stop shooting.".to_owned(),

@@ -123,7 +123,7 @@ fn use_it<A: Arithmetic<f32>>(scene: Scene<'_>, case: u64) {
         is_number(value, "irradiance");
     }
     for emitter in 0..scene.emitters().len() {
-        is_number(light.radiosity(emitter), "radiosity");
+        is_number(light.radiosity(emitter).0, "radiosity");
     }
     let mut row = [0.0; 6];
     for surface in 0..scene.surfaces().len() {
@@ -214,7 +214,7 @@ fn impossible_energy_gives_no_nan() {
         assert!(light.irradiance().iter().all(|e| e.is_finite()), "{stop:?}");
         let all = 0..scene.emitters().len();
         assert!(
-            all.clone().all(|k| light.radiosity(k).is_finite()),
+            all.clone().all(|k| light.radiosity(k).0.is_finite()),
             "{stop:?}"
         );
         let middle = Receiver::new::<SoftRoot>([1.5; 3], [0.0, 0.0, 1.0]).expect("a receiver");

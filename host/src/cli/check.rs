@@ -61,26 +61,14 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     // What this build lacks or a budget forbids is an answer here, no failure.
     match pipeline::plan(scene, &arguments.rungs) {
         Ok(planned) => {
-            let bands = planned
-                .plan
-                .surfaces
-                .iter()
-                .flat_map(|surface| &surface.bands);
-            let loops = bands.flat_map(|band| &band.loops);
-            let outlines = needs
-                .luminaires
-                .iter()
-                .map(|&k| planned.scene.surfaces[k].vertices.len());
+            let counts = &planned.tables.counts;
             checked.capacities = Some(Capacities {
-                samples: planned.tables.samples,
-                emitters: planned.tables.emitters,
-                loops: loops.clone().count() + needs.luminaires.len(),
-                vertices: loops.map(Vec::len).chain(outlines).sum(),
+                samples: counts.samples as usize,
+                emitters: counts.emitters as usize,
+                loops: counts.loops as usize,
+                vertices: counts.vertices as usize,
             });
-            checked.ram_bytes = Some(isolux::budget::light_bytes(
-                planned.tables.samples,
-                planned.tables.emitters,
-            ));
+            checked.ram_bytes = Some(isolux::budget::light_bytes(counts));
             checked.flash_bytes = Some(planned.tables.bytes().len());
         }
         Err(Failure::Limit { message, remedy }) => {

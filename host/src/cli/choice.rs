@@ -2,6 +2,7 @@
 //! scene asks for, else the default.
 
 use super::failure::Failure;
+use crate::scene::requires::Requirements;
 use crate::scene::rungs::LADDERS;
 use crate::scene::{Rungs, Scene};
 use crate::solve::{FormFactorRung, Rung};
@@ -17,7 +18,8 @@ pub(super) struct RungArguments {
     /// How occlusion is found: none.
     #[arg(long, value_name = "RUNG")]
     visibility: Option<String>,
-    /// What shoots reflected light: isolux.
+    /// What shoots reflected light: isolux (the default of open scenes), linear
+    /// (of rooms).
     #[arg(long, value_name = "RUNG")]
     emitters: Option<String>,
     /// How emitter-to-receiver terms are had: exact.
@@ -38,7 +40,7 @@ const BUILT: [(&str, &[&str]); 6] = [
         &["libm", "micromath", "poly3", "poly5", "poly8", "best"],
     ),
     ("visibility", &["none"]),
-    ("emitters", &["isolux"]),
+    ("emitters", &["isolux", "linear"]),
     ("transfer", &["exact"]),
     ("placement", &["isolux"]),
     ("reconstruction", &["cone"]),
@@ -56,9 +58,32 @@ const ALONE: &[&str] = &[
     "q29",
 ];
 
-/// Checks every choice and gives the arithmetic rung, the only ladder with a
-/// choice in this build.
-pub(super) fn arithmetic(flags: &RungArguments, scene: &Scene) -> Result<Rung, Failure> {
+/// What shoots reflected light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Emitters {
+    /// The paper's: bands between isolux outlines.
+    Isolux,
+    /// Patches with linear radiosity.
+    Linear,
+}
+
+/// The rungs that a scene is solved with.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Choices {
+    pub(super) arithmetic: Rung,
+    pub(super) emitters: Emitters,
+}
+
+/// Surfaces that reflect, above which light goes to and fro so much that a
+/// scene is a room.
+const OPEN: usize = 2;
+
+/// Checks every choice: the flag, else the scene's, else the default.
+pub(super) fn choices(
+    flags: &RungArguments,
+    scene: &Scene,
+    needs: &Requirements,
+) -> Result<Choices, Failure> {
     let asked = |flag: &Option<String>, scene: &Option<String>| flag.clone().or(scene.clone());
     let rungs = Rungs {
         arithmetic: asked(&flags.arithmetic, &scene.rungs.arithmetic),
@@ -81,7 +106,16 @@ pub(super) fn arithmetic(flags: &RungArguments, scene: &Scene) -> Result<Rung, F
             has(ladder, built, name)?;
         }
     }
-    named(rungs.arithmetic.as_deref())
+    let is_room = needs.visibility.is_some() || needs.reflectors.len() > OPEN;
+    Ok(Choices {
+        arithmetic: named(rungs.arithmetic.as_deref())?,
+        emitters: match rungs.emitters.as_deref() {
+            Some("linear") => Emitters::Linear,
+            Some(_) => Emitters::Isolux,
+            None if is_room => Emitters::Linear,
+            None => Emitters::Isolux,
+        },
+    })
 }
 
 /// The arithmetic rung of a flag alone, where there is no scene.

@@ -35,8 +35,6 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     let job = Job {
         scene: &planned.scene.name,
         tables: planned.tables.bytes(),
-        samples: planned.tables.samples,
-        emitters: planned.tables.emitters,
         arithmetic: planned.rung.name(),
         stop: pipeline::stop(bounces),
         resolution: GRID,
@@ -63,16 +61,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
 
 /// The bits of every sample and of every resampled grid, as the host has them.
 fn expected(planned: &Planned, solution: &Solution<'_>) -> Result<Vec<u32>, Failure> {
-    let mut bits: Vec<u32> = solution
-        .irradiance()
-        .iter()
-        .map(|value| value.to_bits())
-        .collect();
+    let mut bits = solution.bits(&solution.irradiance());
     for (index, surface) in planned.plan.surfaces.iter().enumerate() {
         if !surface.samples.is_empty() {
             let grid = solution.resample(index, GRID as u32);
             let grid = grid.map_err(|error| Failure::limit(error, ""))?;
-            bits.extend(grid.values.iter().map(|value| value.to_bits()));
+            bits.extend(solution.bits(&grid.values));
         }
     }
     Ok(bits)

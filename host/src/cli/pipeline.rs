@@ -1,6 +1,6 @@
 //! The way from a scene file to a solved scene, shared by the commands.
 
-use super::choice::{self, RungArguments};
+use super::choice::{self, Emitters, RungArguments};
 use super::failure::Failure;
 use crate::bake::{self, Tables};
 use crate::plan::{self, Plan};
@@ -69,16 +69,25 @@ pub(super) struct Planned {
 
 /// Plans and bakes a scene after checking that this build can.
 pub(super) fn plan(scene: Scene, rungs: &RungArguments) -> Result<Planned, Failure> {
-    let rung = choice::arithmetic(rungs, &scene)?;
+    let needs = requirements(&scene);
+    let choices = choice::choices(rungs, &scene, &needs)?;
     supported(&scene)?;
-    // The samples follow the light after one reflection: it has the shape of
-    // all of it.
-    let once = judge(&scene, Reflections::AtMost(1))?;
-    let progress = Progress::start("planning", 0);
-    let field = |places: &[(DVec3, DVec3)]| once.irradiance_at(places);
-    let plan = plan::isolux(&scene, &scene.budget, &field)
-        .map_err(|error| Failure::limit(error, "change [budget] samples in the scene"))?;
-    progress.finish();
+    let rung = choices.arithmetic;
+    let plan = match choices.emitters {
+        Emitters::Isolux => {
+            // The samples follow the light after one reflection: it has the
+            // shape of all of it.
+            let once = judge(&scene, Reflections::AtMost(1))?;
+            let progress = Progress::start("planning", 0);
+            let field = |places: &[(DVec3, DVec3)]| once.irradiance_at(places);
+            let plan = plan::isolux(&scene, &scene.budget, &field);
+            progress.finish();
+            plan
+        }
+        Emitters::Linear => plan::patches::linear(&scene, &scene.budget),
+    };
+    let plan =
+        plan.map_err(|error| Failure::limit(error, "change [budget] samples in the scene"))?;
     let tables = bake::bake(&scene, &plan)
         .map_err(|error| Failure::limit(error, "lower [budget] samples or split the scene"))?;
     affordable(&scene, &tables)?;
@@ -93,7 +102,7 @@ pub(super) fn plan(scene: Scene, rungs: &RungArguments) -> Result<Planned, Failu
 /// Refuses what a scene's own budget cannot hold: the kernel's state in RAM and
 /// the tables in flash. Code and stack are known once a firmware is linked.
 fn affordable(scene: &Scene, tables: &Tables) -> Result<(), Failure> {
-    let ram = isolux::budget::light_bytes(tables.samples, tables.emitters) as u64;
+    let ram = isolux::budget::light_bytes(&tables.counts) as u64;
     let flash = tables.bytes().len() as u64;
     let limits = [
         ("ram", "RAM", scene.budget.ram, ram),
@@ -104,7 +113,7 @@ fn affordable(scene: &Scene, tables: &Tables) -> Result<(), Failure> {
             return Err(Failure::limit(
                 format!(
                     "scene `{}` needs {needed} bytes of {name} for {} samples and {} emitters, its budget is {limit}",
-                    scene.name, tables.samples, tables.emitters
+                    scene.name, tables.counts.samples, tables.counts.emitters
                 ),
                 format!("raise [budget] {key} or lower [budget] samples"),
             ));

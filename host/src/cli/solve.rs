@@ -7,9 +7,11 @@ use super::{BouncesArgument, SceneArgument};
 use crate::scene::Scene;
 use crate::scene::diagnostic::Diagnostic;
 use crate::scene::points::{self, SensorPoint};
-use crate::solve::Solution;
+use crate::scene::requires::requirements;
+use crate::solve::{Channels, Solution};
 use clap::Args;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -51,9 +53,14 @@ struct Answer {
     name: Option<String>,
     position: [f64; 3],
     normal: [f64; 3],
-    #[serde(rename = "E")]
-    irradiance: Value,
+    /// `E`, or `E_r`, `E_g`, `E_b`.
+    #[serde(flatten)]
+    irradiance: BTreeMap<&'static str, Value>,
 }
+
+/// What irradiance is called in one channel and in three.
+const GREY: [&str; 1] = ["E"];
+const COLOUR: [&str; 3] = ["E_r", "E_g", "E_b"];
 
 /// A number in the digits of its own precision.
 #[derive(Clone, Copy, Serialize)]
@@ -84,8 +91,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     let asked = asked(arguments, &scene)?;
     let bounces = arguments.bounces.bounces;
     let name = scene.name.clone();
+    let columns: &[&str] = match requirements(&scene).channels {
+        1 => &GREY,
+        _ => &COLOUR,
+    };
     let values = if arguments.reference {
-        super::choice::arithmetic(&arguments.rungs, &scene)?;
+        super::choice::choices(&arguments.rungs, &scene, &requirements(&scene))?;
         pipeline::supported(&scene)?;
         let reference = pipeline::judge(&scene, pipeline::same_light(bounces))?;
         let places: Vec<_> = asked
@@ -95,7 +106,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         reference
             .irradiance_at(&places)
             .into_iter()
-            .map(Value::Double)
+            .map(|value| [Value::Double(value); 3])
             .collect()
     } else {
         let planned = pipeline::plan(scene, &arguments.rungs)?;
@@ -113,7 +124,9 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     };
     let mut out = std::io::stdout().lock();
     if json {
-        let points = asked.into_iter().zip(values).map(answer).collect();
+        let points = asked.into_iter().zip(values);
+        let points = points.map(|(asked, value)| answer(asked, columns, value));
+        let points = points.collect();
         let solved = Solved {
             scene: &name,
             unit,
@@ -124,23 +137,27 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         serde_json::to_writer(&mut out, &solved).map_err(std::io::Error::from)?;
         writeln!(out)?;
     } else {
-        writeln!(out, "x,y,z,nx,ny,nz,E")?;
-        for (asked, value) in asked.iter().zip(values) {
+        writeln!(out, "x,y,z,nx,ny,nz,{}", columns.join(","))?;
+        for (asked, values) in asked.iter().zip(values) {
             let [x, y, z, nx, ny, nz] = asked.point.given;
-            writeln!(out, "{x},{y},{z},{nx},{ny},{nz},{value}")?;
+            write!(out, "{x},{y},{z},{nx},{ny},{nz}")?;
+            for value in &values[..columns.len()] {
+                write!(out, ",{value}")?;
+            }
+            writeln!(out)?;
         }
     }
     out.flush()?;
     Ok(())
 }
 
-fn answer((asked, irradiance): (Asked, Value)) -> Answer {
+fn answer(asked: Asked, columns: &[&'static str], values: [Value; 3]) -> Answer {
     let [x, y, z, nx, ny, nz] = asked.point.given;
     Answer {
         name: asked.name,
         position: [x, y, z],
         normal: [nx, ny, nz],
-        irradiance,
+        irradiance: columns.iter().copied().zip(values).collect(),
     }
 }
 
@@ -175,7 +192,7 @@ fn asked(arguments: &Arguments, scene: &Scene) -> Result<Vec<Asked>, Failure> {
     Ok(named.collect())
 }
 
-fn evaluated(solution: &Solution<'_>, asked: &[Asked]) -> Result<Vec<Value>, Failure> {
+fn evaluated(solution: &Solution<'_>, asked: &[Asked]) -> Result<Vec<[Value; 3]>, Failure> {
     let receivers: Vec<_> = asked
         .iter()
         .map(|asked| {
@@ -186,7 +203,8 @@ fn evaluated(solution: &Solution<'_>, asked: &[Asked]) -> Result<Vec<Value>, Fai
     let values = solution
         .at(&receivers)
         .map_err(|error| Failure::usage(error, ""))?;
-    Ok(values.into_iter().map(Value::Single).collect())
+    let single = |values: Channels| values.map(Value::Single);
+    Ok(values.into_iter().map(single).collect())
 }
 
 /// How far a normal may lean from its surface's: 0.1°.
@@ -197,7 +215,7 @@ fn reconstructed(
     solution: &Solution<'_>,
     asked: &[Asked],
     arguments: &Arguments,
-) -> Result<Vec<Value>, Failure> {
+) -> Result<Vec<[Value; 3]>, Failure> {
     let tolerance = planned.scene.plane_tolerance();
     let one = |asked: &Asked| {
         let point = &asked.point;
@@ -215,7 +233,7 @@ fn reconstructed(
         let value =
             found.and_then(|(index, place)| solution.resampled(index, place).ok().flatten());
         value
-            .map(Value::Single)
+            .map(|values| values.map(Value::Single))
             .ok_or_else(|| off_surface(asked, arguments))
     };
     asked.iter().map(one).collect()

@@ -59,7 +59,7 @@ pub fn camera(answers: &Answers<'_>, view: &View, full_scale: &[f64]) -> Result<
             let value = answers
                 .solution
                 .resampled(hit.surface, [u as f32, v as f32])?;
-            Ok(value.map_or(0.0, f64::from))
+            Ok(value.map_or(0.0, super::mean))
         })
         .collect::<Result<Vec<f64>, Error>>()?;
     let structured = spread(structured);

@@ -23,7 +23,7 @@ use crate::baseline::Baseline;
 use crate::plan::Plan;
 use crate::reference::Reference;
 use crate::scene::Scene;
-use crate::solve::Solution;
+use crate::solve::{Channels, Solution};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 /// The three answers that are compared: the reference, the kernel's, and where
@@ -40,6 +40,16 @@ pub struct Answers<'a> {
     pub solution: &'a Solution<'a>,
     /// Ray-traced form factors.
     pub baseline: Option<&'a Baseline>,
+}
+
+/// The mean of the channels: what errors are judged by where there is colour.
+fn mean(channels: Channels) -> f64 {
+    let [r, g, b] = channels.map(f64::from);
+    if r == g && g == b {
+        r
+    } else {
+        (r + g + b) / 3.0
+    }
 }
 
 /// The tolerances, in percent, whose exceedance is counted in [`Statistics::over`].

@@ -48,7 +48,7 @@ pub fn surface(answers: &Answers<'_>, index: usize, resolution: usize) -> Result
     for (&k, value) in cells.iter().zip(answers.reference.irradiance_at(&asked)) {
         reference[k] = value;
     }
-    let structured: Vec<f64> = grid.values.into_iter().map(f64::from).collect();
+    let structured: Vec<f64> = grid.values.into_iter().map(super::mean).collect();
     let baseline = answers.baseline.and_then(|baseline| {
         let at = |&(u, v): &(f64, f64)| baseline.irradiance_at(index, frame.to_world(u, v));
         places.iter().map(at).collect::<Option<Vec<f64>>>()

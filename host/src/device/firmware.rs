@@ -188,8 +188,6 @@ impl Toolchain {
             features.push("wrong-bit");
         }
         let words = [
-            ("ISOLUX_SAMPLES", job.samples.to_string()),
-            ("ISOLUX_EMITTERS", job.emitters.to_string()),
             ("ISOLUX_RESOLUTION", job.resolution.to_string()),
             ("ISOLUX_ARITHMETIC", job.arithmetic.to_owned()),
             ("ISOLUX_STOP", stop(job.stop)),

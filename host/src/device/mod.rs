@@ -59,10 +59,6 @@ pub struct Job<'a> {
     pub scene: &'a str,
     /// The baked tables.
     pub tables: &'a [u8],
-    /// Samples the kernel's type has room for.
-    pub samples: usize,
-    /// Emitters the kernel's type has room for.
-    pub emitters: usize,
     /// The name of the rung of arithmetic.
     pub arithmetic: &'a str,
     /// When to stop shooting.

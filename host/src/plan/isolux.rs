@@ -74,9 +74,9 @@ impl Map {
             .unwrap_or_default();
         SurfacePlan {
             filter_radius: filter_radius(self.area, samples.len()),
-            frame: self.frame,
             samples,
             bands,
+            ..SurfacePlan::without_samples(self.frame)
         }
     }
 
@@ -142,7 +142,7 @@ impl Map {
             if !self.frame.contains(u, v) || exact + mean <= 0.0 {
                 continue;
             }
-            let filtered = cone::<SoftRoot>(&places, &values, [u as f32, v as f32], radius);
+            let filtered = cone::<SoftRoot, f32>(&places, &values, [u as f32, v as f32], radius);
             if let Some(filtered) = filtered {
                 let error = (f64::from(filtered.value) - exact) / (exact + mean);
                 sum += error * error;

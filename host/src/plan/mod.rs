@@ -3,11 +3,14 @@
 //! The isolux mode is the paper's, made automatic: the irradiance each surface
 //! receives is known from the reference; its isolux outlines become the
 //! polygons that shoot reflected light, and their vertices, with the peak, are
-//! the samples. A planned scene is data: [`crate::bake`] turns it into tables.
+//! the samples. In a room, where light goes to and fro, [`patches`] with linear
+//! radiosity do the same with a tenth of the emitters. A planned scene is data:
+//! [`crate::bake`] turns it into tables.
 
 mod isolux;
 mod map;
 mod outline;
+pub mod patches;
 mod pool;
 mod share;
 mod spacing;
@@ -15,6 +18,7 @@ mod spacing;
 use crate::scene::frame::Frame;
 use crate::scene::{Budget, Scene, Surface};
 use glam::DVec3;
+use patches::Patch;
 use std::f64::consts::PI;
 
 /// Where the samples of a scene are, and which polygons shoot.
@@ -33,8 +37,38 @@ pub struct SurfacePlan {
     pub samples: Vec<Sample>,
     /// The secondary emitters, darkest first.
     pub bands: Vec<Band>,
+    /// The secondary emitters whose radiosity is linear; a plan has either these
+    /// or bands.
+    pub patches: Vec<Patch>,
     /// Radius of the cone filter in metres; 0 where there are no samples.
     pub filter_radius: f64,
+}
+
+impl SurfacePlan {
+    /// A surface that is not looked at.
+    fn without_samples(frame: Frame) -> Self {
+        Self {
+            frame,
+            samples: Vec::new(),
+            bands: Vec::new(),
+            patches: Vec::new(),
+            filter_radius: 0.0,
+        }
+    }
+
+    /// How many samples receive light from luminaires alone.
+    pub fn direct(&self) -> usize {
+        self.tagged(Tag::Direct)
+    }
+
+    /// How many samples receive reflected light alone.
+    pub fn reflected(&self) -> usize {
+        self.tagged(Tag::Reflected)
+    }
+
+    fn tagged(&self, tag: Tag) -> usize {
+        self.samples.iter().filter(|s| s.tag == tag).count()
+    }
 }
 
 /// A place where irradiance is evaluated.
@@ -60,6 +94,10 @@ pub enum Tag {
     Isolux,
     /// At the largest irradiance.
     Peak,
+    /// Inside a patch, for direct light.
+    Direct,
+    /// Inside a patch, for reflected light.
+    Reflected,
 }
 
 impl Tag {
@@ -69,6 +107,8 @@ impl Tag {
             Self::Edge => "edge",
             Self::Isolux => "isolux",
             Self::Peak => "peak",
+            Self::Direct => "direct",
+            Self::Reflected => "reflected",
         }
     }
 }
@@ -177,12 +217,7 @@ pub fn isolux(scene: &Scene, budget: &Budget, field: &Field<'_>) -> Result<Plan,
                 let weight = surface.reflectance[0] * map.power / emitted;
                 map.place(samples, &probes(scene, surface), weight)
             }
-            None => SurfacePlan {
-                frame: Frame::new(surface),
-                samples: Vec::new(),
-                bands: Vec::new(),
-                filter_radius: 0.0,
-            },
+            None => SurfacePlan::without_samples(Frame::new(surface)),
         })
         .collect();
     Ok(Plan { surfaces })
@@ -216,11 +251,8 @@ impl Plan {
             .sum()
     }
 
-    /// How many secondary emitters there are.
-    pub fn bands(&self) -> usize {
-        self.surfaces
-            .iter()
-            .map(|surface| surface.bands.len())
-            .sum()
+    /// Whether radiosities are linear.
+    pub fn is_linear(&self) -> bool {
+        self.surfaces.iter().any(|s| !s.patches.is_empty())
     }
 }

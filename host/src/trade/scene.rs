@@ -125,9 +125,9 @@ pub fn scene(
                 let full_scale = exact.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
                 let got = solution.at(&field.places).map_err(Error::Kernel)?;
                 let pairs = got.iter().zip(exact);
-                errors.extend(
-                    pairs.map(|(&got, exact)| 100.0 * (f64::from(got) - exact).abs() / full_scale),
-                );
+                errors.extend(pairs.map(|(&[got, ..], exact)| {
+                    100.0 * (f64::from(got) - exact).abs() / full_scale
+                }));
             }
             Ok(summary(errors))
         };
@@ -182,8 +182,6 @@ fn cost(judged: &Judged<'_>, rung: Rung) -> Result<SceneCost, device::Error> {
         let job = Job {
             scene: &judged.scene.name,
             tables: judged.tables.bytes(),
-            samples: judged.tables.samples,
-            emitters: judged.tables.emitters,
             arithmetic: rung.name(),
             stop: Stop::Reflections(judged.reflections),
             resolution: RESAMPLED,

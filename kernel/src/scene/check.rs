@@ -1,6 +1,6 @@
 //! Everything that is demanded of tables, once.
 
-use super::records::{Emitter, Header, Loop, Surface, checksum};
+use super::records::{Counts, Header, Loop, Surface, checksum};
 use super::{MAGIC, Scene, VERSION, required_bytes};
 use crate::Error;
 use crate::error::What;
@@ -28,14 +28,7 @@ pub(super) fn header(tables: &[u8]) -> Result<(&Header, &[u8]), Error> {
     if header.bytes as usize != tables.len() {
         return Err(length(header.bytes));
     }
-    let needed = required_bytes(
-        header.surfaces,
-        header.emitters,
-        header.loops,
-        header.vertices,
-        header.samples,
-        header.members,
-    );
+    let needed = required_bytes(&header.counts);
     if needed != Some(header.bytes) {
         return Err(length(needed.unwrap_or(u32::MAX)));
     }
@@ -53,51 +46,97 @@ pub(super) fn header(tables: &[u8]) -> Result<(&Header, &[u8]), Error> {
 /// Every record: its numbers finite and in their domain, its ranges inside.
 pub(super) fn records(scene: &Scene<'_>) -> Result<(), Error> {
     numbers(What::Header, 0, non_negative(scene.header.tolerance))?;
+    ranges(What::Header, 0, counts_agree(&scene.header.counts))?;
+    surfaces(scene)?;
+    emitters(scene)?;
+    all(What::Reflectances, scene.reflectances, |&rho| {
+        (0.0..1.0).contains(&rho)
+    })?;
+    all(What::Exitances, scene.exitances, |&exitance| {
+        (0.0..=BRIGHTEST).contains(&exitance)
+    })?;
+    all(What::Shapes, scene.shapes, |shape| {
+        coordinates(&shape.center) && (0.0..=FARTHEST).contains(&shape.scale)
+    })?;
+    all(What::Loops, scene.loops, loop_is_sound)?;
+    for (index, outline) in (0..).zip(scene.loops) {
+        let vertices = inside(
+            outline.first_vertex,
+            outline.vertices,
+            scene.header.counts.vertices,
+        );
+        ranges(What::Loops, index, vertices)?;
+    }
+    all(What::Vertices, scene.vertices, |vertex| coordinates(vertex))?;
+    all(What::Corners, scene.corners, |corner| {
+        corner.iter().all(|x| (-CORNER..=CORNER).contains(x))
+    })?;
+    all(What::Samples, scene.samples, |place| coordinates(place))?;
+    all(What::Weights, scene.weights, |weight| {
+        (-HEAVIEST..=HEAVIEST).contains(weight)
+    })?;
+    for (index, &member) in (0..).zip(scene.members) {
+        let there = u32::from(member) < scene.header.counts.samples;
+        ranges(What::Members, index, there)?;
+    }
+    Ok(())
+}
+
+/// Whether the sections that belong together are equally long.
+fn counts_agree(counts: &Counts) -> bool {
+    let weights = u64::from(counts.members) * u64::from(counts.coefficients);
+    matches!(counts.channels, 1 | 3)
+        && counts.luminaires <= counts.emitters
+        && (counts.shapes == 0 || counts.shapes == counts.emitters)
+        && (counts.corners == 0 || counts.corners == counts.vertices)
+        && match counts.coefficients {
+            1 => counts.weights == 0,
+            3 => {
+                u64::from(counts.weights) == weights
+                    && counts.shapes == counts.emitters
+                    && counts.corners == counts.vertices
+            }
+            _ => false,
+        }
+}
+
+fn surfaces(scene: &Scene<'_>) -> Result<(), Error> {
+    all(What::Surfaces, scene.surfaces, surface_is_sound)?;
     let mut sample = 0_u32;
     for (index, surface) in (0..).zip(scene.surfaces) {
-        numbers(What::Surfaces, index, surface_is_sound(surface))?;
         // Ordered by surface, without gaps: no sample belongs to two.
         ranges(What::Surfaces, index, surface.first_sample == sample)?;
         sample = sample.checked_add(surface.samples).ok_or(Error::Range {
             what: What::Surfaces,
             record: index,
         })?;
-        let lacks_radius = surface.samples > 0 && surface.filter_radius == 0.0;
-        numbers(What::Surfaces, index, !lacks_radius)?;
+        // All samples receive all light, or each one kind of it.
+        let of_a_kind = surface.direct.checked_add(surface.indirect);
+        let sound = of_a_kind.is_some_and(|some| some == 0 || some == surface.samples);
+        ranges(What::Surfaces, index, sound)?;
     }
-    ranges(What::Samples, sample, sample == scene.header.samples)?;
+    ranges(What::Samples, sample, sample == scene.header.counts.samples)
+}
+
+fn emitters(scene: &Scene<'_>) -> Result<(), Error> {
+    let counts = &scene.header.counts;
+    all(What::Emitters, scene.emitters, |emitter| {
+        (0.0..=LARGEST).contains(&emitter.area)
+    })?;
     for (index, emitter) in (0..).zip(scene.emitters) {
-        numbers(What::Emitters, index, emitter_is_sound(emitter))?;
-        ranges(
-            What::Emitters,
-            index,
-            emitter.surface < scene.header.surfaces,
-        )?;
-        let loops = inside(emitter.first_loop, emitter.loops, scene.header.loops);
-        let members = inside(emitter.first_member, emitter.members, scene.header.members);
-        ranges(What::Emitters, index, loops && members)?;
+        let sound = emitter.surface < counts.surfaces
+            && inside(emitter.first_loop, emitter.loops, counts.loops)
+            && inside(emitter.first_member, emitter.members, counts.members)
+            && (index >= counts.luminaires || emitter.members == 0);
+        ranges(What::Emitters, index, sound)?;
     }
-    for (index, outline) in (0..).zip(scene.loops) {
-        numbers(What::Loops, index, loop_is_sound(outline))?;
-        let vertices = inside(
-            outline.first_vertex,
-            outline.vertices,
-            scene.header.vertices,
-        );
-        ranges(What::Loops, index, vertices)?;
-    }
-    for (index, vertex) in (0..).zip(scene.vertices) {
-        numbers(What::Vertices, index, coordinates(vertex))?;
-    }
-    for (index, place) in (0..).zip(scene.samples) {
-        numbers(What::Samples, index, coordinates(place))?;
-    }
-    for (index, &member) in (0..).zip(scene.members) {
-        ranges(
-            What::Members,
-            index,
-            u32::from(member) < scene.header.samples,
-        )?;
+    Ok(())
+}
+
+/// Every record of a section, its numbers.
+fn all<T>(what: What, records: &[T], sound: impl Fn(&T) -> bool) -> Result<(), Error> {
+    for (index, record) in (0..).zip(records) {
+        numbers(what, index, sound(record))?;
     }
     Ok(())
 }
@@ -115,21 +154,22 @@ pub(crate) const BRIGHTEST: f32 = 1e21;
 /// between [`FARTHEST`] coordinates can have.
 const LARGEST: f32 = 1e17;
 
+/// The largest coordinate of a corner in its emitter's own frame, of which the
+/// farthest is 1, with room for rounding.
+const CORNER: f32 = 1.001;
+
+/// The largest weight that tables may hold: sums of weighted irradiances stay
+/// finite. Least squares over n members give weights of about 1/n.
+const HEAVIEST: f32 = 64.0;
+
 fn surface_is_sound(surface: &Surface) -> bool {
     let axes = [&surface.axis_u, &surface.axis_v, &surface.normal];
     coordinates(&surface.origin)
         && axes.into_iter().all(unit)
         && coordinates(&surface.size)
         && surface.size.iter().all(|&length| length > 0.0)
-        && reflectance(surface.reflectance)
         && non_negative(surface.filter_radius)
-}
-
-fn emitter_is_sound(emitter: &Emitter) -> bool {
-    non_negative(emitter.exitance)
-        && emitter.exitance <= BRIGHTEST
-        && reflectance(emitter.reflectance)
-        && (0.0..=LARGEST).contains(&emitter.area)
+        && (surface.samples == 0 || surface.filter_radius > 0.0)
 }
 
 fn loop_is_sound(outline: &Loop) -> bool {
@@ -144,10 +184,6 @@ fn coordinates(all: &[f32]) -> bool {
 fn unit(axis: &[f32; 3]) -> bool {
     let squared: f32 = axis.iter().map(|x| x * x).sum();
     (0.999_998..=1.000_002).contains(&squared)
-}
-
-fn reflectance(rho: f32) -> bool {
-    (0.0..1.0).contains(&rho)
 }
 
 fn non_negative(x: f32) -> bool {

@@ -5,24 +5,31 @@
 //! length; after that nothing can fail. The records are in [`records`]; the
 //! whole format:
 //!
-//! # Format, version 1
+//! # Format, version 2
 //!
 //! Little-endian, 4-byte aligned, no padding but where said. A header
 //! ([`records::Header`]) gives the counts; then follow, without gaps,
 //!
 //! | section | record | bytes each |
 //! | --- | --- | --- |
-//! | surfaces | [`records::Surface`] | 72 |
-//! | emitters | [`records::Emitter`] | 32 |
+//! | surfaces | [`records::Surface`] | 76 |
+//! | reflectances | `f32`, one a surface and channel | 4 |
+//! | emitters | [`records::Emitter`] | 24 |
+//! | exitances | `f32`, π L in W m⁻², one a luminaire and channel | 4 |
+//! | shapes | [`records::Shape`] | 12 |
 //! | loops | [`records::Loop`] | 12 |
 //! | vertices | `[f32; 3]`, metres | 12 |
+//! | corners | `[f32; 2]`, the vertices in the coordinates of their emitter | 8 |
 //! | samples | `[f32; 2]`, metres in the surface's frame | 8 |
+//! | weights | `f32`, one a coefficient of every member | 4 |
 //! | members | `u16` sample indices, padded to 4 bytes with 0 | 2 |
 //!
-//! A luminaire is an emitter with an exitance and no members. A secondary
-//! emitter has the reflectance of its surface and members: its radiosity is the
-//! reflectance times the mean irradiance of those samples. Samples are ordered
-//! by surface.
+//! Luminaires come first among the emitters and have no members. A secondary
+//! emitter reflects, with its surface's reflectance, what its members receive:
+//! the mean of them where radiosities are constant (no weights, shapes and
+//! corners then), or with three weights a member the mean and the two gradients
+//! of a linear radiosity. Samples are ordered by surface, and on a surface by
+//! what they receive.
 
 mod check;
 pub mod records;
@@ -33,12 +40,14 @@ use crate::Error;
 use crate::error::What;
 use crate::form_factor::{self, Arithmetic, Outline};
 use crate::geometry::{Plane, Receiver, Vector};
+use crate::luminance::{self, Colour, Luminance, Moments, View};
 use core::mem::size_of;
-use records::{Emitter, Header, Loop, Surface};
+use core::ops::Range;
+use records::{Counts, Emitter, Header, Loop, Shape, Surface};
 use zerocopy::FromBytes;
 
 /// The version of the format that this kernel reads.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// The first eight bytes of every table.
 pub const MAGIC: [u8; 8] = *b"isolux\r\n";
@@ -57,10 +66,15 @@ pub struct Aligned<T>(
 pub struct Scene<'t> {
     header: &'t Header,
     surfaces: &'t [Surface],
+    reflectances: &'t [f32],
     emitters: &'t [Emitter],
+    exitances: &'t [f32],
+    shapes: &'t [Shape],
     loops: &'t [Loop],
     vertices: &'t [[f32; 3]],
+    corners: &'t [[f32; 2]],
     samples: &'t [[f32; 2]],
+    weights: &'t [f32],
     members: &'t [u16],
 }
 
@@ -84,19 +98,32 @@ impl<'t> Scene<'t> {
     /// Every variant of [`Error`] that speaks of tables; see there.
     pub fn load(tables: &'t [u8]) -> Result<Self, Error> {
         let (header, rest) = check::header(tables)?;
-        let (surfaces, rest) = section::<Surface>(rest, header.surfaces)?;
-        let (emitters, rest) = section::<Emitter>(rest, header.emitters)?;
-        let (loops, rest) = section::<Loop>(rest, header.loops)?;
-        let (vertices, rest) = section::<[f32; 3]>(rest, header.vertices)?;
-        let (samples, rest) = section::<[f32; 2]>(rest, header.samples)?;
-        let (members, _) = section::<u16>(rest, header.members)?;
+        let counts = &header.counts;
+        let (surfaces, rest) = section::<Surface>(rest, counts.surfaces)?;
+        let (reflectances, rest) =
+            section::<f32>(rest, counts.surfaces.saturating_mul(counts.channels))?;
+        let (emitters, rest) = section::<Emitter>(rest, counts.emitters)?;
+        let (exitances, rest) =
+            section::<f32>(rest, counts.luminaires.saturating_mul(counts.channels))?;
+        let (shapes, rest) = section::<Shape>(rest, counts.shapes)?;
+        let (loops, rest) = section::<Loop>(rest, counts.loops)?;
+        let (vertices, rest) = section::<[f32; 3]>(rest, counts.vertices)?;
+        let (corners, rest) = section::<[f32; 2]>(rest, counts.corners)?;
+        let (samples, rest) = section::<[f32; 2]>(rest, counts.samples)?;
+        let (weights, rest) = section::<f32>(rest, counts.weights)?;
+        let (members, _) = section::<u16>(rest, counts.members)?;
         let scene = Self {
             header,
             surfaces,
+            reflectances,
             emitters,
+            exitances,
+            shapes,
             loops,
             vertices,
+            corners,
             samples,
+            weights,
             members,
         };
         check::records(&scene)?;
@@ -145,10 +172,56 @@ impl<'t> Scene<'t> {
         )
     }
 
-    /// The samples whose mean irradiance an emitter reflects: indices among
-    /// all samples. Empty for a luminaire.
-    pub fn members_of(&self, emitter: &Emitter) -> &'t [u16] {
-        slice(self.members, emitter.first_member, emitter.members)
+    /// Which of all samples receive, on one surface, from an emitter: from
+    /// luminaires not those for reflected light, from others not those for
+    /// direct light.
+    pub(crate) fn receivers(&self, surface: &Surface, is_luminaire: bool) -> Range<usize> {
+        let first = surface.first_sample as usize;
+        let end = first.saturating_add(surface.samples as usize);
+        if is_luminaire {
+            first..end.saturating_sub(surface.indirect as usize)
+        } else {
+            first.saturating_add(surface.direct as usize)..end
+        }
+    }
+
+    /// How many of everything there are.
+    pub fn counts(&self) -> &'t Counts {
+        &self.header.counts
+    }
+
+    /// Whether an emitter emits by itself.
+    pub fn is_luminaire(&self, emitter: usize) -> bool {
+        emitter < self.header.counts.luminaires as usize
+    }
+
+    /// The emitted radiosity π L of an emitter in W m⁻² (lm m⁻²); dark for one
+    /// that only reflects.
+    pub fn exitance<C: Colour>(&self, emitter: usize) -> C {
+        channels(self.exitances, emitter)
+    }
+
+    /// The diffuse reflectance of a surface, 0 ≤ ρ < 1; 0 where there is no
+    /// such surface.
+    pub fn reflectance<C: Colour>(&self, surface: usize) -> C {
+        channels(self.reflectances, surface)
+    }
+
+    /// The samples that an emitter's radiosity is had from, indices among all
+    /// samples, each with its weights (none where it is a plain mean). Empty for
+    /// a luminaire.
+    pub fn members_of(&self, emitter: &Emitter) -> impl Iterator<Item = (usize, &'t [f32])> {
+        let stride = match self.weights.is_empty() {
+            true => 0,
+            false => self.header.counts.coefficients,
+        };
+        let weights = self.weights;
+        (emitter.first_member..)
+            .zip(slice(self.members, emitter.first_member, emitter.members))
+            .map(move |(index, &sample)| {
+                let weights = slice(weights, index.saturating_mul(stride), stride);
+                (usize::from(sample), weights)
+            })
     }
 
     /// The loops of an emitter's polygon: pieces counter-clockwise, holes
@@ -177,20 +250,113 @@ impl<'t> Scene<'t> {
         receiver: &Receiver<f32>,
         emitter: &Emitter,
     ) -> f32 {
-        let Some(surface) = self.surfaces.get(emitter.surface as usize) else {
-            return 0.0;
-        };
+        match self.plane_facing(receiver, emitter) {
+            Some((_, plane)) => {
+                form_factor::of_loops::<A, f32>(receiver, &plane, self.loops_of(emitter))
+            }
+            None => 0.0,
+        }
+    }
+
+    /// The surface of an emitter and its plane, unless the receiver lies in it
+    /// and faces the same way.
+    #[inline(always)]
+    fn plane_facing(
+        &self,
+        receiver: &Receiver<f32>,
+        emitter: &Emitter,
+    ) -> Option<(&'t Surface, Plane<f32>)> {
+        let surface = self.surfaces.get(emitter.surface as usize)?;
         let plane = Plane {
             normal: Vector::from(surface.normal),
             point: Vector::from(surface.origin),
         };
-        if plane.height(receiver.position()) <= self.header.tolerance
-            && plane.normal.dot(receiver.normal()) > PARALLEL
-        {
-            return 0.0;
-        }
-        form_factor::of_loops::<A, f32>(receiver, &plane, self.loops_of(emitter))
+        let coplanar = plane.height(receiver.position()) <= self.header.tolerance
+            && plane.normal.dot(receiver.normal()) > PARALLEL;
+        (!coplanar).then_some((surface, plane))
     }
+
+    /// The irradiance in W m⁻² at a receiver from an emitter of this radiosity:
+    /// B F, and for a linear radiosity the exact B(ā, b̄) F of
+    /// [`luminance`](crate::luminance), with (ā, b̄) by the rule there.
+    ///
+    /// Cost: [`Scene::form_factor`], and for a linear radiosity the rule; the rule
+    /// alone where a parallelogram is far. Never panics.
+    #[inline]
+    pub fn received<A: Arithmetic<f32>, L: Luminance>(
+        &self,
+        receiver: &Receiver<f32>,
+        index: usize,
+        radiosity: L,
+    ) -> L::Colour {
+        let Some(emitter) = self.emitters.get(index) else {
+            return L::Colour::DARK;
+        };
+        if L::COEFFICIENTS == 1 {
+            let factor = self.form_factor::<A>(receiver, emitter);
+            return radiosity.received(factor, || [0.0; 2]);
+        }
+        let Some((surface, plane)) = self.plane_facing(receiver, emitter) else {
+            return L::Colour::DARK;
+        };
+        if plane.height(receiver.position()) <= 0.0 {
+            return L::Colour::DARK;
+        }
+        let view = self.view(receiver, &plane, surface, index);
+        let moments = self.moments_of(&view, emitter);
+        let factor = if view.is_far() && self.is_parallelogram(emitter) {
+            moments.factor
+        } else {
+            form_factor::of_loops::<A, f32>(receiver, &plane, self.loops_of(emitter))
+        };
+        radiosity.received(factor, || moments.place([0.0; 2]))
+    }
+
+    fn view(
+        &self,
+        receiver: &Receiver<f32>,
+        plane: &Plane<f32>,
+        surface: &Surface,
+        emitter: usize,
+    ) -> View {
+        let (center, scale) = match self.shapes.get(emitter) {
+            Some(shape) => (shape.center, shape.scale),
+            None => ([0.0; 2], 0.0),
+        };
+        let axes = [Vector::from(surface.axis_u), Vector::from(surface.axis_v)];
+        View::new(receiver, plane, surface.place(center), axes, scale)
+    }
+
+    /// The corners of an emitter's loops, in its own coordinates.
+    fn corners_of(&self, emitter: &Emitter) -> impl Iterator<Item = &'t [[f32; 2]]> {
+        let corners = self.corners;
+        slice(self.loops, emitter.first_loop, emitter.loops)
+            .iter()
+            .map(move |outline| slice(corners, outline.first_vertex, outline.vertices))
+    }
+
+    fn moments_of(&self, view: &View, emitter: &Emitter) -> Moments {
+        let mut sum = Moments::default();
+        for corners in self.corners_of(emitter) {
+            let part = view.moments(corners);
+            sum.factor += part.factor;
+            for (sum, part) in sum.first.iter_mut().zip(part.first) {
+                *sum += part;
+            }
+        }
+        sum
+    }
+
+    fn is_parallelogram(&self, emitter: &Emitter) -> bool {
+        self.corners_of(emitter).all(luminance::is_parallelogram)
+    }
+}
+
+/// One value of a section with as many for each channel.
+#[inline(always)]
+fn channels<C: Colour>(all: &[f32], index: usize) -> C {
+    let first = index.saturating_mul(C::CHANNELS);
+    C::read(all.get(first..).unwrap_or(&[]))
 }
 
 /// The cosine above which two unit normals count as equal where coplanar
@@ -209,22 +375,32 @@ fn slice<T>(all: &[T], first: u32, count: u32) -> &[T] {
 
 /// Bytes of tables with these counts: what a bake writes and
 /// [`Scene::load`] demands. `None` where they exceed 4 GiB.
-pub const fn required_bytes(
-    surfaces: u32,
-    emitters: u32,
-    loops: u32,
-    vertices: u32,
-    samples: u32,
-    members: u32,
-) -> Option<u32> {
-    let members = members as u64 + members as u64 % 2;
-    let bytes = size_of::<Header>() as u64
-        + surfaces as u64 * size_of::<Surface>() as u64
-        + emitters as u64 * size_of::<Emitter>() as u64
-        + loops as u64 * size_of::<Loop>() as u64
-        + vertices as u64 * size_of::<[f32; 3]>() as u64
-        + samples as u64 * size_of::<[f32; 2]>() as u64
-        + members * size_of::<u16>() as u64;
+pub const fn required_bytes(counts: &Counts) -> Option<u32> {
+    let members = counts.members as u64 + counts.members as u64 % 2;
+    let channels = counts.channels as u64;
+    // No product of two 32-bit numbers and no record's size comes near 2^64.
+    let sections = [
+        (counts.surfaces as u64, size_of::<Surface>() as u64),
+        (counts.surfaces as u64, 4 * channels),
+        (counts.emitters as u64, size_of::<Emitter>() as u64),
+        (counts.luminaires as u64, 4 * channels),
+        (counts.shapes as u64, size_of::<Shape>() as u64),
+        (counts.loops as u64, size_of::<Loop>() as u64),
+        (counts.vertices as u64, size_of::<[f32; 3]>() as u64),
+        (counts.corners as u64, size_of::<[f32; 2]>() as u64),
+        (counts.samples as u64, size_of::<[f32; 2]>() as u64),
+        (counts.weights as u64, size_of::<f32>() as u64),
+        (members, size_of::<u16>() as u64),
+    ];
+    let mut bytes = size_of::<Header>() as u64;
+    let mut rest: &[(u64, u64)] = &sections;
+    while let [(count, size), others @ ..] = rest {
+        let Some(sum) = bytes.checked_add(count.saturating_mul(*size)) else {
+            return None;
+        };
+        bytes = sum;
+        rest = others;
+    }
     if bytes <= u32::MAX as u64 {
         Some(bytes as u32)
     } else {

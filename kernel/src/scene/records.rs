@@ -15,21 +15,45 @@ pub struct Header {
     pub bytes: u32,
     /// [`checksum`] of everything behind this field.
     pub checksum: u32,
-    /// How many surfaces.
-    pub surfaces: u32,
-    /// How many emitters.
-    pub emitters: u32,
-    /// How many loops.
-    pub loops: u32,
-    /// How many vertices.
-    pub vertices: u32,
-    /// How many samples.
-    pub samples: u32,
-    /// How many members.
-    pub members: u32,
+    /// How many there are of everything.
+    pub counts: Counts,
     /// Distance in metres within which a place lies on a plane: 1e-6 of the
     /// largest absolute coordinate of the scene.
     pub tolerance: f32,
+}
+
+/// How many records each section has, in the order of the sections.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes, IntoBytes, Immutable, KnownLayout,
+)]
+#[repr(C)]
+pub struct Counts {
+    /// Channels: 1 where all light is grey, else 3.
+    pub channels: u32,
+    /// Coefficients of an emitter's radiosity: 1 where it is constant, 3 where
+    /// it is linear.
+    pub coefficients: u32,
+    /// Surfaces.
+    pub surfaces: u32,
+    /// Emitters that emit by themselves; they come first.
+    pub luminaires: u32,
+    /// Emitters in all.
+    pub emitters: u32,
+    /// Shapes: one an emitter, or none.
+    pub shapes: u32,
+    /// Loops of emitters.
+    pub loops: u32,
+    /// Vertices of loops.
+    pub vertices: u32,
+    /// Corners: one a vertex, or none.
+    pub corners: u32,
+    /// Samples.
+    pub samples: u32,
+    /// Members of emitters.
+    pub members: u32,
+    /// Weights: as many as coefficients for each member where there are three,
+    /// else none.
+    pub weights: u32,
 }
 
 /// A surface: its frame, its reflectance, its samples.
@@ -46,14 +70,17 @@ pub struct Surface {
     pub normal: [f32; 3],
     /// Width and height of the bounding rectangle, in metres.
     pub size: [f32; 2],
-    /// Diffuse reflectance, 0 ≤ ρ < 1.
-    pub reflectance: f32,
     /// Radius of the cone filter in metres; 0 where there are no samples.
     pub filter_radius: f32,
     /// Where its samples begin.
     pub first_sample: u32,
-    /// How many samples it has.
+    /// How many samples it has in all.
     pub samples: u32,
+    /// How many of them, the first, receive only from luminaires, ...
+    pub direct: u32,
+    /// ... and how many, the others, only from what reflects. Both are 0 where
+    /// every sample receives all light.
+    pub indirect: u32,
 }
 
 impl Surface {
@@ -76,14 +103,23 @@ pub struct Emitter {
     pub loops: u32,
     /// Where its members begin.
     pub first_member: u32,
-    /// How many samples its irradiance is the mean of; 0 for a luminaire.
+    /// How many samples its radiosity is had from; 0 for a luminaire.
     pub members: u32,
-    /// Emitted radiosity π L in W m⁻² (lm m⁻²); 0 for a secondary emitter.
-    pub exitance: f32,
-    /// Reflectance it returns its members' mean irradiance with.
-    pub reflectance: f32,
     /// Area in m².
     pub area: f32,
+}
+
+/// The coordinates (a, b) of an emitter: x = O + a e_1 + b e_2, with O on its
+/// surface and e_1, e_2 along the surface's axes, both of length `scale`.
+///
+/// Present where radiosities are linear or something occludes.
+#[derive(Clone, Copy, Debug, PartialEq, FromBytes, IntoBytes, Immutable, KnownLayout)]
+#[repr(C)]
+pub struct Shape {
+    /// O in the frame of the surface, in metres: the centroid of the emitter.
+    pub center: [f32; 2],
+    /// Distance in metres from O to the farthest corner.
+    pub scale: f32,
 }
 
 /// A closed loop of vertices.

@@ -30,9 +30,10 @@ mod entries {
     use isolux::form_factor::fixed_point::{self, Q24, Q29, Scale};
     use isolux::form_factor::{self, Best, Libm, Micromath, Outline, Poly3, Poly5, Poly8};
     use isolux::geometry::{Plane, Receiver};
+    use isolux::luminance::Constant;
     use isolux::number::{self, Root, SoftRoot};
     use isolux::resample::{self, Filtered, Row};
-    use isolux::scene::records::{self, Emitter, Surface};
+    use isolux::scene::records::{self, Counts, Emitter, Surface};
     use isolux::scene::{Scene, required_bytes};
     use isolux::shoot::{self, Solved, Stop};
     use isolux::{Error, budget};
@@ -159,8 +160,8 @@ mod entries {
         fn isolux_entry_checksum(bytes: &[u8]) -> u32 {
             records::checksum(bytes)
         }
-        fn isolux_entry_required_bytes(surfaces: u32, emitters: u32, loops: u32, vertices: u32, samples: u32, members: u32) -> Option<u32> {
-            required_bytes(surfaces, emitters, loops, vertices, samples, members)
+        fn isolux_entry_required_bytes(counts: &Counts) -> Option<u32> {
+            required_bytes(counts)
         }
         fn isolux_entry_scene_surface(scene: &Scene<'static>, index: usize) -> Result<&'static Surface, Error> {
             scene.surface(index)
@@ -170,7 +171,7 @@ mod entries {
             (first, places.len())
         }
         fn isolux_entry_scene_members_of(scene: &Scene<'static>, emitter: &Emitter) -> usize {
-            scene.members_of(emitter).len()
+            scene.members_of(emitter).count()
         }
         fn isolux_entry_scene_form_factor_best(scene: &Scene<'static>, receiver: &Receiver<f32>, emitter: &Emitter) -> f32 {
             scene.form_factor::<Best<Chosen>>(receiver, emitter)
@@ -206,7 +207,7 @@ mod entries {
         fn isolux_entry_light_unshot_fraction(light: &BestLight<'static>) -> f32 {
             light.unshot_fraction()
         }
-        fn isolux_entry_light_radiosity(light: &BestLight<'static>, emitter: usize) -> f32 {
+        fn isolux_entry_light_radiosity(light: &BestLight<'static>, emitter: usize) -> Constant<f32> {
             light.radiosity(emitter)
         }
         fn isolux_entry_light_at(light: &BestLight<'static>, receiver: &Receiver<f32>) -> f32 {
@@ -218,11 +219,11 @@ mod entries {
         fn isolux_entry_light_resample_row(light: &BestLight<'static>, surface: usize, grid: [u32; 2], row: u32, out: &mut [f32]) -> Result<Row, Error> {
             light.resample_row::<Chosen>(surface, grid, row, out)
         }
-        fn isolux_entry_light_resample_at(light: &BestLight<'static>, surface: usize, place: [f32; 2]) -> Result<Option<Filtered>, Error> {
+        fn isolux_entry_light_resample_at(light: &BestLight<'static>, surface: usize, place: [f32; 2]) -> Result<Option<Filtered<f32>>, Error> {
             light.resample_at::<Chosen>(surface, place)
         }
-        fn isolux_entry_cone(places: &[[f32; 2]], values: &[f32], place: [f32; 2], radius: f32) -> Option<Filtered> {
-            resample::cone::<Chosen>(places, values, place, radius)
+        fn isolux_entry_cone(places: &[[f32; 2]], values: &[f32], place: [f32; 2], radius: f32) -> Option<Filtered<f32>> {
+            resample::cone::<Chosen, f32>(places, values, place, radius)
         }
 
         #[cfg(feature = "bad")]

@@ -7,21 +7,29 @@ use cortex_m::singleton;
 use defmt_semihosting as _; // the global logger
 use isolux::Error;
 use isolux::budget;
+use isolux::luminance::{Colour as _, Luminance};
 use isolux::scene::Scene;
 use isolux::shoot::{Solved, Stop};
 use semihosting::process;
 
 use crate::clock::Clock;
-use crate::job::{self, EMITTERS, ISOLUX_TABLES, RESOLUTION, SAMPLES};
+use crate::job::{self, COUNTS, ISOLUX_TABLES, RESOLUTION};
 use crate::meter::{Cost, Meter};
 use crate::root::Chosen;
 
+/// Room for samples and for emitters.
+const SAMPLES: usize = COUNTS.samples as usize;
+const EMITTERS: usize = COUNTS.emitters as usize;
+
 /// The kernel's state for this scene.
-type Light = isolux::shoot::Light<'static, job::Arithmetic, SAMPLES, EMITTERS>;
+type Light = isolux::shoot::Light<'static, job::Arithmetic, SAMPLES, EMITTERS, job::Luminance>;
+
+/// What light has in every channel.
+type Colour = <job::Luminance as Luminance>::Colour;
 
 // What the budget sheet promises is what the state takes.
 const _: () = assert!(
-    size_of::<Light>() == budget::light_bytes(SAMPLES, EMITTERS),
+    size_of::<Light>() == budget::light_bytes(&COUNTS),
     "budget::light_bytes is not the size of Light on this target"
 );
 
@@ -62,7 +70,7 @@ fn isolux_step_resample(
     light: &Light,
     surface: usize,
     row: u32,
-    out: &mut [f32; RESOLUTION],
+    out: &mut [Colour; RESOLUTION],
 ) -> Result<isolux::resample::Row, Error> {
     let grid = [RESOLUTION as u32; 2];
     light.resample_row::<Chosen>(surface, grid, row, out)
@@ -111,7 +119,7 @@ fn run() -> Result<(), Failure> {
     let Some(state) = singleton!(: MaybeUninit<Light> = MaybeUninit::uninit()) else {
         return Err(twice);
     };
-    let Some(row) = singleton!(: [f32; RESOLUTION] = [0.0; RESOLUTION]) else {
+    let Some(row) = singleton!(: [Colour; RESOLUTION] = [Colour::DARK; RESOLUTION]) else {
         return Err(twice);
     };
     let clock = Clock::start(peripherals.SYST);
@@ -134,7 +142,7 @@ fn run() -> Result<(), Failure> {
     );
 
     values(light.irradiance());
-    let mut count = light.irradiance().len();
+    let mut count = light.irradiance().len() * Colour::CHANNELS;
     let mut total = Cost::default();
     let mut wrong_bit = cfg!(feature = "wrong-bit");
     for surface in 0..light.scene().surfaces().len() {
@@ -146,11 +154,11 @@ fn run() -> Result<(), Failure> {
             done?;
             total.and_then(cost);
             if wrong_bit && let Some(value) = row.last_mut() {
-                *value = f32::from_bits(value.to_bits() ^ 1);
+                *value = value.map(|value| f32::from_bits(value.to_bits() ^ 1));
                 wrong_bit = false;
             }
             values(row);
-            count += row.len();
+            count += row.len() * Colour::CHANNELS;
         }
     }
     log("resample", total);
@@ -169,7 +177,7 @@ fn log(step: &'static str, cost: Cost) {
 }
 
 /// Logs the bits of values.
-fn values(values: &[f32]) {
+fn values(values: &[Colour]) {
     // SAFETY: any initialised f32 is four initialised bytes, of no alignment.
     let bytes =
         unsafe { core::slice::from_raw_parts(values.as_ptr().cast::<u8>(), size_of_val(values)) };

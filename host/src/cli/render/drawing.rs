@@ -185,8 +185,17 @@ fn sample_plan(judged: &Judged<'_>, compared: &Compared, beneath: SurfaceField) 
     let first = luminaires
         + before
             .iter()
-            .map(|surface| surface.bands.len())
+            .map(|surface| surface.bands.len() + surface.patches.len())
             .sum::<usize>();
+    let radiosity = |k: usize| f64::from(judged.solution.radiosity(first + k)[0]);
+    let patches = planned
+        .patches
+        .iter()
+        .enumerate()
+        .map(|(k, patch)| EmitterShape {
+            loops: patch.pieces.clone(),
+            radiosity: radiosity(k),
+        });
     let emitters = planned
         .bands
         .iter()
@@ -202,7 +211,7 @@ fn sample_plan(judged: &Judged<'_>, compared: &Compared, beneath: SurfaceField) 
                         .collect()
                 })
                 .collect(),
-            radiosity: f64::from(judged.solution.radiosity(first + k)),
+            radiosity: radiosity(k),
         });
     // In the order of the tags, so that each tag has the same mark on every
     // surface.
@@ -219,7 +228,7 @@ fn sample_plan(judged: &Judged<'_>, compared: &Compared, beneath: SurfaceField) 
         size: [planned.frame.size_u, planned.frame.size_v],
         outline: outline(judged, compared.surface),
         samples: samples.collect(),
-        emitters: emitters.collect(),
+        emitters: emitters.chain(patches).collect(),
         field: Some(beneath),
     }
 }

@@ -1,0 +1,192 @@
+//! Patches with linear radiosity: the emitters of rooms.
+//!
+//! A surface is cut into cells of its bounding rectangle; what a cell has of
+//! the surface's exposed part is a patch. Its radiosity is linear in place,
+//! fitted to irradiance at places of its own: direct light at one set of them,
+//! reflected light at another, smaller one, because shadows have edges and
+//! reflected light has hardly any. Nothing here asks for the light: a plan
+//! depends on the geometry and the budget alone.
+
+mod exposed;
+mod places;
+
+use super::{Plan, Sample, SurfacePlan, Tag, Unplannable, spacing};
+use crate::scene::frame::Frame;
+use crate::scene::{Budget, Scene};
+
+/// A part of a surface whose radiosity is linear.
+#[derive(Clone, Debug)]
+pub struct Patch {
+    /// Convex pieces, counter-clockwise, in the surface's frame.
+    pub pieces: Vec<Vec<[f64; 2]>>,
+    /// The centroid, in the surface's frame: the origin of its coordinates.
+    pub center: [f64; 2],
+    /// Distance in metres from the centroid to the farthest corner: the unit of
+    /// its coordinates.
+    pub scale: f64,
+    /// Area in m².
+    pub area: f64,
+    /// Indices into [`SurfacePlan::samples`] with the weights of mean and
+    /// gradients.
+    pub members: Vec<(usize, [f64; 3])>,
+}
+
+/// Patches in all where the scene sets no budget.
+const DEFAULT_PATCHES: usize = 120;
+
+/// Places along each side of a cell, for direct and for reflected light, best
+/// first; the budget decides.
+const PLACES: [[usize; 2]; 3] = [[4, 2], [3, 2], [2, 2]];
+
+/// A room with fewer patches than this is better off with more of them than
+/// with more places on each.
+const ENOUGH: usize = 80;
+
+/// Plans a scene with linear patches.
+///
+/// The samples of [`Budget::samples`] are what direct and reflected light is
+/// evaluated at, both counted. Costs a few polygon intersections a patch.
+///
+/// # Errors
+/// [`Unplannable`] where the budget is too small, or too large for the tables.
+pub fn linear(scene: &Scene, budget: &Budget) -> Result<Plan, Unplannable> {
+    let exposed: Vec<Option<exposed::Exposed>> = (0..scene.surfaces.len())
+        .map(|index| {
+            scene.surfaces[index]
+                .reflects()
+                .then(|| exposed::Exposed::new(scene, index))
+        })
+        .collect();
+    let reflecting = exposed.iter().flatten().count();
+    let (patches, places) = division(reflecting, budget)?;
+    let density = density(&exposed, patches);
+    let mut surfaces: Vec<SurfacePlan> = scene
+        .surfaces
+        .iter()
+        .zip(&exposed)
+        .map(|(surface, exposed)| match exposed {
+            Some(exposed) => of_surface(exposed, exposed.cells(density), places),
+            None => SurfacePlan::without_samples(Frame::new(surface)),
+        })
+        .collect();
+    if let Some(allowed) = budget.samples {
+        // Cells of irregular surfaces count as one each, so the first division
+        // can only be too generous by a few.
+        let mut density = density;
+        while surfaces.iter().map(|s| s.samples.len() as u64).sum::<u64>() > allowed {
+            density *= 0.98;
+            if exposed.iter().flatten().all(|e| e.cells(density) == [1, 1]) {
+                break;
+            }
+            for (planned, exposed) in surfaces.iter_mut().zip(&exposed) {
+                if let Some(exposed) = exposed {
+                    *planned = of_surface(exposed, exposed.cells(density), places);
+                }
+            }
+        }
+    }
+    let plan = Plan { surfaces };
+    let needed = plan.samples() as u64;
+    match budget.samples {
+        Some(allowed) if needed > allowed => Err(Unplannable::Samples { allowed, needed }),
+        _ if needed > super::MOST_SAMPLES => Err(Unplannable::TooMany {
+            asked: needed,
+            most: super::MOST_SAMPLES,
+        }),
+        _ => Ok(plan),
+    }
+}
+
+/// How many patches, and how many places along each side of one.
+fn division(reflecting: usize, budget: &Budget) -> Result<(usize, [usize; 2]), Unplannable> {
+    let each = |[direct, reflected]: [usize; 2]| direct * direct + reflected * reflected;
+    let Some(allowed) = budget.samples else {
+        return Ok((DEFAULT_PATCHES.max(reflecting), PLACES[0]));
+    };
+    if allowed > super::MOST_SAMPLES {
+        return Err(Unplannable::TooMany {
+            asked: allowed,
+            most: super::MOST_SAMPLES,
+        });
+    }
+    let enough = ENOUGH.max(reflecting);
+    let places = PLACES
+        .into_iter()
+        .find(|&places| allowed as usize / each(places) >= enough)
+        .unwrap_or(PLACES[PLACES.len() - 1]);
+    Ok((allowed as usize / each(places), places))
+}
+
+/// The density of cells at which there are as many as asked for, or hardly
+/// fewer.
+fn density(exposed: &[Option<exposed::Exposed>], patches: usize) -> f64 {
+    let count = |density: f64| -> usize {
+        let cells = exposed.iter().flatten().map(|e| e.cells(density));
+        cells.map(|[along, across]| along * across).sum()
+    };
+    // √(cells) per √metre: the scene's own size brackets it.
+    let largest = exposed
+        .iter()
+        .flatten()
+        .map(exposed::Exposed::longest)
+        .fold(f64::MIN_POSITIVE, f64::max);
+    let (mut low, mut high) = (0.0, patches as f64 / largest.sqrt() + 1.0 / largest.sqrt());
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if count(middle) <= patches {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+fn of_surface(
+    exposed: &exposed::Exposed,
+    cells: [usize; 2],
+    [direct, reflected]: [usize; 2],
+) -> SurfacePlan {
+    let mut patches = Vec::new();
+    let mut samples: [Vec<Sample>; 2] = [Vec::new(), Vec::new()];
+    let mut members = Vec::new();
+    for cell in exposed.cut(cells) {
+        let mut own = [Vec::new(), Vec::new()];
+        for (kind, (side, tag)) in [(direct, Tag::Direct), (reflected, Tag::Reflected)]
+            .into_iter()
+            .enumerate()
+        {
+            for (place, weights) in places::of_cell(&cell, side, tag) {
+                own[kind].push((samples[kind].len(), weights));
+                samples[kind].push(Sample {
+                    place,
+                    vertex: place,
+                    tag,
+                });
+            }
+        }
+        members.push(own);
+        patches.push(Patch {
+            pieces: cell.pieces,
+            center: cell.center,
+            scale: cell.scale,
+            area: cell.area,
+            members: Vec::new(),
+        });
+    }
+    // Those for direct light come first.
+    let [of_direct, of_reflected] = samples;
+    for (patch, [own_direct, own_reflected]) in patches.iter_mut().zip(members) {
+        let shifted = own_reflected
+            .into_iter()
+            .map(|(index, weights)| (of_direct.len() + index, weights));
+        patch.members = own_direct.into_iter().chain(shifted).collect();
+    }
+    let area: f64 = patches.iter().map(|patch| patch.area).sum();
+    SurfacePlan {
+        filter_radius: spacing::filter_radius(area, of_reflected.len()),
+        samples: of_direct.into_iter().chain(of_reflected).collect(),
+        patches,
+        ..SurfacePlan::without_samples(exposed.frame.clone())
+    }
+}
