@@ -24,7 +24,7 @@
 //! # Rooms
 //!
 //! Each imports only those above it: [`error`], [`number`], [`geometry`],
-//! [`clip`], [`form_factor`], [`scene`], [`shoot`], [`resample`], [`budget`].
+//! [`clip`], [`form_factor`], [`visibility`], [`scene`], [`shoot`], [`resample`], [`budget`].
 //!
 //! # Example
 //!
@@ -58,5 +58,6 @@ pub mod number;
 pub mod resample;
 pub mod scene;
 pub mod shoot;
+pub mod visibility;
 
 pub use error::Error;

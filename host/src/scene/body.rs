@@ -107,7 +107,7 @@ pub fn check(faces: &[&Surface], weld: f64) -> Result<(), BodyFlaw> {
 }
 
 /// The different places among all vertices.
-fn weld_corners(faces: &[&Surface], weld: f64) -> Vec<DVec3> {
+pub(crate) fn weld_corners(faces: &[&Surface], weld: f64) -> Vec<DVec3> {
     let mut corners: Vec<DVec3> = Vec::new();
     for vertex in faces.iter().flat_map(|face| &face.vertices) {
         if !corners.iter().any(|c| c.distance(*vertex) <= weld) {
@@ -147,26 +147,39 @@ fn check_convex(
 
 /// A piece of a face's edge between two corners with none in between.
 #[derive(Clone, Copy)]
-struct Edge {
-    from: usize,
-    to: usize,
-    face: usize,
+pub(crate) struct Edge {
+    pub(crate) from: usize,
+    pub(crate) to: usize,
+    pub(crate) face: usize,
 }
 
-/// The pieces of edges that no other face runs along the other way.
-fn free_edges(faces: &[&Surface], corners: &[DVec3], weld: f64) -> Result<Vec<Edge>, BodyFlaw> {
-    let mut edges: Vec<Edge> = Vec::new();
+/// All edges of faces, in pieces between two corners with none in between.
+pub(crate) fn edges(faces: &[&Surface], corners: &[DVec3], weld: f64) -> Vec<Edge> {
+    let mut edges = Vec::new();
     for (face, surface) in faces.iter().enumerate() {
         let count = surface.vertices.len();
         for i in 0..count {
             let ends = (surface.vertices[i], surface.vertices[(i + 1) % count]);
             for pair in corners_along(ends.0, ends.1, corners, weld).windows(2) {
                 let (from, to) = (pair[0], pair[1]);
-                if edges.iter().any(|e| e.from == from && e.to == to) {
-                    return Err(BodyFlaw::Overlapping(face));
-                }
                 edges.push(Edge { from, to, face });
             }
+        }
+    }
+    edges
+}
+
+/// The pieces of edges that no other face runs along the other way.
+pub(crate) fn free_edges(
+    faces: &[&Surface],
+    corners: &[DVec3],
+    weld: f64,
+) -> Result<Vec<Edge>, BodyFlaw> {
+    let edges = edges(faces, corners, weld);
+    for (index, edge) in edges.iter().enumerate() {
+        let same = |e: &Edge| e.from == edge.from && e.to == edge.to;
+        if edges[..index].iter().any(same) {
+            return Err(BodyFlaw::Overlapping(edge.face));
         }
     }
     let paired = |edge: &Edge| edges.iter().any(|e| e.from == edge.to && e.to == edge.from);

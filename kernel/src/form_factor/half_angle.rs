@@ -262,3 +262,40 @@ pub(super) fn contour<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
         None => half_angle.careful(outline.vertices()),
     }
 }
+
+/// The same over a loop that has been clipped already: its vertices relative
+/// to the receiver; the edge from vertex number `cap` runs along the horizon.
+#[inline]
+pub(super) fn closed<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
+    normal: Vector<N>,
+    facing: Vector<N>,
+    places: impl Iterator<Item = Vector<N>>,
+    cap: Option<usize>,
+) -> N {
+    let half_angle = HalfAngle::<DEGREE, N, R> {
+        place: Vector::ZERO,
+        normal,
+        facing,
+        root: PhantomData,
+    };
+    // Rounding took nothing from places that are relative already.
+    let source = [N::ZERO; 3];
+    let mut vertices = places.map(|place| Vertex::new(place, N::ZERO, &source));
+    let Some(first) = vertices.next() else {
+        return N::ZERO;
+    };
+    let add = |sum, index, from, to| {
+        if cap == Some(index) {
+            half_angle.cap(sum, from, to)
+        } else {
+            half_angle.whole(sum, from, to)
+        }
+    };
+    let (mut sum, mut from, mut index) = (N::ZERO, first, 0_usize);
+    for to in vertices {
+        sum = add(sum, index, from, to);
+        from = to;
+        index = index.wrapping_add(1);
+    }
+    add(sum, index, from, first)
+}

@@ -36,6 +36,7 @@
 //! (squares and fourth powers of distances must stay normal numbers of `f32`).
 
 mod best;
+mod clipped;
 #[cfg(feature = "fixed")]
 #[cfg_attr(docsrs, doc(cfg(feature = "fixed")))]
 pub mod fixed_point;
@@ -47,6 +48,7 @@ mod poly;
 mod residual;
 
 pub use best::Best;
+pub use clipped::{SeenPlane, of_clipped};
 #[cfg(feature = "micromath")]
 #[cfg_attr(docsrs, doc(cfg(feature = "micromath")))]
 pub use micro::Micromath;

@@ -41,10 +41,16 @@ pub(super) fn is_small<N: Number>(receiver: &Receiver<N>, outline: &Outline<'_, 
     match outline.vertices().first() {
         Some(&first) => {
             let distance_squared = (Vector::from(first) - receiver.position()).norm_squared();
-            outline.reach_squared() <= N::of(REACH) * distance_squared
+            is_within_reach(outline.reach_squared(), distance_squared)
         }
         None => false,
     }
+}
+
+/// Whether a reach is seen within 22.5° from a distance, both squared.
+#[inline(always)]
+pub(super) fn is_within_reach<N: Number>(reach_squared: N, distance_squared: N) -> bool {
+    reach_squared <= N::of(REACH) * distance_squared
 }
 
 /// A vertex relative to the loop's first one.
@@ -155,6 +161,28 @@ pub(super) fn contour<N: Number>(receiver: &Receiver<N>, outline: &Outline<'_, N
         let vertex = Vector::from(vertex);
         Vertex::new(vertex - origin, normal.dot(vertex - place), twice_first)
     });
+    walk(normal, first, corners)
+}
+
+/// The same of a loop wholly above the horizon, given by its first vertex
+/// relative to the receiver and all vertices relative to the first.
+#[inline]
+pub(super) fn closed<N: Number>(
+    normal: Vector<N>,
+    first: Vector<N>,
+    offsets: impl Iterator<Item = Vector<N>>,
+) -> N {
+    let twice_first = first + first;
+    let corners = offsets.map(|offset| Vertex::new(offset, N::ZERO, twice_first));
+    walk(normal, first, corners)
+}
+
+#[inline(always)]
+fn walk<N: Number>(
+    normal: Vector<N>,
+    first: Vector<N>,
+    corners: impl Iterator<Item = Vertex<N>>,
+) -> N {
     let distance_squared = first.norm_squared();
     let edges = Residual {
         normal,

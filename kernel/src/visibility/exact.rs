@@ -1,0 +1,533 @@
+//! The visible part of an emitter, exactly.
+//!
+//! From a point, an occluder hides a convex part of the emitter's plane: the
+//! inside of one line for every edge of its outline. The emitter starts as one
+//! convex piece; from every piece the hidden parts are cut off, one occluder
+//! after the other, depth first, and what remains of a piece behind the last
+//! occluder is visible. The pieces of one occluder's outside are made by its
+//! lines one after the other: outside of line 0; inside of line 0 and outside
+//! of line 1; and so on, which is a partition, so that nothing is counted
+//! twice.
+
+use super::line::Line;
+use super::polygon::{Full, Polygon, Side};
+use super::records::{Blocker, Occluders, Target};
+use super::view::{Shadow, View, number};
+use super::{Bracket, Visibility};
+use crate::form_factor::{SeenPlane, of_clipped};
+use crate::geometry::{Receiver, Vector};
+use crate::number::{Floating, Root};
+use core::marker::PhantomData;
+use core::mem::swap;
+use heapless::Vec;
+
+/// The rung `exact`, with its workspace.
+///
+/// Capacities, all counted for one receiver and one emitter: `VERTICES` corners
+/// of a piece (a cut adds at most one), `PIECES` pieces that wait (at most one
+/// for each blocker kept), `LINES` lines and `BLOCKERS` blockers kept. Where
+/// one of them does not suffice, the answer is a bracket that holds the truth.
+///
+/// The caller owns it; nothing is kept between two calls of
+/// [`gather`](Self::gather), and it is never zero-filled. Its size is that of
+/// the type: 8, 4, 24, 6 in `f32` holds every shipped scene.
+#[derive(Clone, Debug)]
+pub struct Exact<
+    const VERTICES: usize,
+    const PIECES: usize,
+    const LINES: usize,
+    const BLOCKERS: usize,
+    N = f32,
+> {
+    seen: SeenPlane<N>,
+    /// The target above the horizon.
+    whole: Polygon<N, VERTICES>,
+    lines: Vec<Line<N>, LINES>,
+    /// Behind which line every blocker's lines end.
+    ends: Vec<u16, BLOCKERS>,
+    /// Blockers that did not fit.
+    left_out: u32,
+    waiting: Vec<Waiting<N, VERTICES>, PIECES>,
+    scratch: [Polygon<N, VERTICES>; 3],
+}
+
+/// A piece that waits until those outside of it are done.
+#[derive(Clone, Debug)]
+struct Waiting<N, const VERTICES: usize> {
+    piece: Polygon<N, VERTICES>,
+    /// The blocker to go on with.
+    blocker: usize,
+    /// The line to go on with: the piece is inside of those before.
+    line: usize,
+}
+
+/// What [`Exact::gather`] found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Gathered {
+    /// F = 0: the receiver is on or behind the target's plane, the target below
+    /// its horizon, or all of it hidden.
+    Dark,
+    /// Nothing hides any of the target: F is the unoccluded form factor.
+    Whole,
+    /// Something may hide a part of it: fold.
+    Partly,
+    /// The target has more corners than `VERTICES` holds: nothing is known but
+    /// 0 ≤ F ≤ the unoccluded form factor.
+    Overflow,
+}
+
+/// A convex visible piece of a target.
+#[derive(Clone, Copy, Debug)]
+pub struct Piece<'a, N> {
+    seen: &'a SeenPlane<N>,
+    corners: &'a [[N; 2]],
+    horizon: Option<usize>,
+}
+
+impl<'a, N: Floating> Piece<'a, N> {
+    fn of<const VERTICES: usize>(
+        seen: &'a SeenPlane<N>,
+        polygon: &'a Polygon<N, VERTICES>,
+    ) -> Self {
+        Self {
+            seen,
+            corners: polygon.corners(),
+            horizon: polygon.horizon(),
+        }
+    }
+
+    /// Its corners (a, b) in the target's frame, counter-clockwise seen from
+    /// the emitting side.
+    pub fn corners(&self) -> impl Iterator<Item = [N; 2]> + use<'a, N> {
+        self.corners.iter().copied()
+    }
+
+    /// The corner at which the edge along the receiver's horizon begins.
+    pub fn horizon(&self) -> Option<usize> {
+        self.horizon
+    }
+
+    /// The target's plane as the receiver sees it.
+    pub fn plane(&self) -> &'a SeenPlane<N> {
+        self.seen
+    }
+
+    /// Its form factor, F ≥ 0.
+    pub fn form_factor<R: Root<N> + Copy>(&self) -> N {
+        of_clipped::<N, R>(self.seen, self.corners, self.horizon)
+    }
+}
+
+/// What a fold over the visible pieces adds up.
+pub trait Sum<N> {
+    /// A piece that is seen.
+    fn visible(&mut self, piece: &Piece<'_, N>);
+
+    /// A piece of which it is not known whether it is seen: a bound was met.
+    fn unresolved(&mut self, piece: &Piece<'_, N>);
+
+    /// `piece` without its part `hidden` is seen: adds the difference and says
+    /// `true`, or says `false` and gets it in pieces.
+    ///
+    /// One difference costs less than the pieces, but cancels where little is
+    /// left.
+    fn difference(&mut self, piece: &Piece<'_, N>, hidden: &Piece<'_, N>) -> bool {
+        let _ = (piece, hidden);
+        false
+    }
+}
+
+/// What a fold found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen<S> {
+    /// The sum over the pieces that are seen.
+    pub visible: S,
+    /// The sum over the pieces of which it is not known.
+    pub unresolved: S,
+    /// How many pieces that are.
+    pub pieces: u32,
+    /// How many blockers did not fit: what they hide is counted as seen.
+    pub left_out: u32,
+}
+
+impl<S> Seen<S> {
+    /// Whether all is known.
+    pub fn is_complete(&self) -> bool {
+        self.pieces == 0 && self.left_out == 0
+    }
+}
+
+/// How a piece lies to a blocker.
+enum Overlap<'a, N, const VERTICES: usize> {
+    Apart,
+    /// Nothing of the piece is seen.
+    Covered,
+    /// This part of the piece is not seen.
+    Hidden(&'a Polygon<N, VERTICES>),
+}
+
+impl<
+    const VERTICES: usize,
+    const PIECES: usize,
+    const LINES: usize,
+    const BLOCKERS: usize,
+    N: Floating,
+> Exact<VERTICES, PIECES, LINES, BLOCKERS, N>
+{
+    /// An empty workspace.
+    pub const fn new() -> Self {
+        Self {
+            seen: SeenPlane {
+                origin: Vector::ZERO,
+                axes: [Vector::ZERO; 2],
+                facing: Vector::ZERO,
+                normal: Vector::ZERO,
+            },
+            whole: Polygon::new(),
+            lines: Vec::new(),
+            ends: Vec::new(),
+            left_out: 0,
+            waiting: Vec::new(),
+            scratch: [Polygon::new(), Polygon::new(), Polygon::new()],
+        }
+    }
+
+    /// Finds what may hide a target from a receiver: all that
+    /// [`fold`](Self::fold) needs.
+    ///
+    /// Cost on a Cortex-M4F: 40 to 80 instructions for a blocker that cannot
+    /// hide anything, about 500 for one that nearly does. Never panics.
+    pub fn gather(
+        &mut self,
+        receiver: &Receiver<N>,
+        target: &Target<'_>,
+        occluders: &Occluders<'_>,
+        blockers: impl Iterator<Item = Blocker>,
+    ) -> Gathered {
+        self.lines.clear();
+        self.ends.clear();
+        self.left_out = 0;
+        let Some(view) = View::new(receiver, target, occluders.flat) else {
+            return Gathered::Dark;
+        };
+        self.seen = view.seen;
+        match self.above_horizon(&view, target) {
+            Ok(Side::Outside) => return Gathered::Dark,
+            Ok(_) => {}
+            Err(Full) => return Gathered::Overflow,
+        }
+        for blocker in blockers {
+            if self.keep(&view, occluders, &blocker) {
+                return Gathered::Dark;
+            }
+        }
+        if self.ends.is_empty() && self.left_out == 0 {
+            Gathered::Whole
+        } else {
+            Gathered::Partly
+        }
+    }
+
+    /// How many blockers the last [`gather`](Self::gather) kept, and how many
+    /// lines: what the capacities are planned from.
+    pub fn kept(&self) -> (usize, usize) {
+        (self.ends.len(), self.lines.len())
+    }
+
+    /// The target clipped to the receiver's horizon.
+    fn above_horizon(&mut self, view: &View<N>, target: &Target<'_>) -> Result<Side, Full> {
+        let [unclipped, ..] = &mut self.scratch;
+        unclipped.set(target.corners.iter().map(|corner| corner.map(number)))?;
+        let side = unclipped.clip_to_horizon(&view.horizon(), &mut self.whole)?;
+        if side == Side::Inside {
+            self.whole.copy_from(unclipped);
+        }
+        Ok(side)
+    }
+
+    /// Keeps the lines of a blocker that may hide some of the target; `true`
+    /// where it hides all of it.
+    #[inline]
+    fn keep(&mut self, view: &View<N>, occluders: &Occluders<'_>, blocker: &Blocker) -> bool {
+        let Self {
+            whole,
+            lines,
+            ends,
+            left_out,
+            ..
+        } = self;
+        let first = lines.len();
+        let (mut asked, mut apart, mut cuts, mut full) = (false, false, false, false);
+        let shadow = view.shadow(occluders, blocker, |line| {
+            asked = true;
+            match whole.side(line) {
+                // A line that has all of the target inside cuts nothing off.
+                Side::Inside => {}
+                Side::Outside => apart = true,
+                Side::Both => {
+                    cuts = true;
+                    full |= lines.push(*line).is_err();
+                }
+            }
+            !apart
+        });
+        match shadow {
+            Shadow::All => return true,
+            Shadow::Lines if asked && !apart && !cuts => return true,
+            Shadow::Lines if asked && !apart => {
+                let end = u16::try_from(lines.len());
+                full = full || !end.is_ok_and(|end| ends.push(end).is_ok());
+                if full {
+                    lines.truncate(first);
+                    *left_out = left_out.saturating_add(1);
+                }
+            }
+            Shadow::Lines | Shadow::None => lines.truncate(first),
+        }
+        false
+    }
+
+    /// Folds over the visible pieces of what was gathered.
+    ///
+    /// The pieces do not overlap and come in an order that the tables fix.
+    /// Cost: at most 1 + L + L(L − 1)/2 pieces for L lines kept; in practice
+    /// few more than blockers. Never panics.
+    pub fn fold<S: Clone>(&mut self, sum: S, add: impl FnMut(&mut S, &Piece<'_, N>)) -> Seen<S> {
+        struct Fold<S, A> {
+            visible: S,
+            unresolved: S,
+            pieces: u32,
+            add: A,
+        }
+        impl<N, S, A: FnMut(&mut S, &Piece<'_, N>)> Sum<N> for Fold<S, A> {
+            fn visible(&mut self, piece: &Piece<'_, N>) {
+                (self.add)(&mut self.visible, piece);
+            }
+            fn unresolved(&mut self, piece: &Piece<'_, N>) {
+                self.pieces = self.pieces.saturating_add(1);
+                (self.add)(&mut self.unresolved, piece);
+            }
+        }
+        let mut fold = Fold {
+            visible: sum.clone(),
+            unresolved: sum,
+            pieces: 0,
+            add,
+        };
+        self.add_to(&mut fold);
+        Seen {
+            visible: fold.visible,
+            unresolved: fold.unresolved,
+            pieces: fold.pieces,
+            left_out: self.left_out,
+        }
+    }
+
+    /// As [`fold`](Self::fold), for a sum that can also take differences.
+    pub fn add_to(&mut self, sum: &mut impl Sum<N>) {
+        let seen = &self.seen;
+        let (lines, ends) = (self.lines.as_slice(), self.ends.as_slice());
+        let [piece, outer, inner] = &mut self.scratch;
+        let (mut piece, mut outer) = (piece, outer);
+        self.waiting.clear();
+        piece.copy_from(&self.whole);
+        let (mut blocker, mut line) = (0_usize, 0_usize);
+        loop {
+            let Some(own) = lines_of(lines, ends, blocker) else {
+                sum.visible(&Piece::of(seen, piece));
+                let Some(next) = self.waiting.pop() else {
+                    return;
+                };
+                piece.copy_from(&next.piece);
+                (blocker, line) = (next.blocker, next.line);
+                continue;
+            };
+            let next = blocker.wrapping_add(1);
+            let mut done = false;
+            if line == 0 {
+                match overlap(own, piece, [&mut *inner, &mut *outer]) {
+                    Ok(Overlap::Apart) => {
+                        blocker = next;
+                        continue;
+                    }
+                    Ok(Overlap::Covered) => done = true,
+                    Ok(Overlap::Hidden(part)) => {
+                        done = next == ends.len()
+                            && sum.difference(&Piece::of(seen, piece), &Piece::of(seen, part));
+                    }
+                    Err(Full) => {
+                        sum.unresolved(&Piece::of(seen, piece));
+                        done = true;
+                    }
+                }
+            }
+            if !done {
+                match own.get(line) {
+                    // Inside of all lines: hidden.
+                    None => done = true,
+                    Some(cut) => match piece.side(cut) {
+                        Side::Inside => line = line.wrapping_add(1),
+                        Side::Outside => (blocker, line) = (next, 0),
+                        Side::Both => {
+                            if piece.split(cut, inner, outer).is_err() {
+                                sum.unresolved(&Piece::of(seen, piece));
+                                done = true;
+                            } else {
+                                let line_after = line.wrapping_add(1);
+                                if line_after < own.len() {
+                                    let waiting = Waiting {
+                                        piece: inner.clone(),
+                                        blocker,
+                                        line: line_after,
+                                    };
+                                    if self.waiting.push(waiting).is_err() {
+                                        sum.unresolved(&Piece::of(seen, inner));
+                                    }
+                                }
+                                swap(&mut piece, &mut outer);
+                                (blocker, line) = (next, 0);
+                            }
+                        }
+                    },
+                }
+            }
+            if done {
+                let Some(next) = self.waiting.pop() else {
+                    return;
+                };
+                piece.copy_from(&next.piece);
+                (blocker, line) = (next.blocker, next.line);
+            }
+        }
+    }
+
+    /// The form factor of the visible part of what was gathered, as a bracket.
+    ///
+    /// Error: that of [`Best`](crate::form_factor::Best) on the whole target,
+    /// and 1e-6 of its form factor.
+    pub fn form_factor<R: Root<N> + Copy>(&mut self) -> Bracket<N> {
+        let mut sum = FormFactor::<N, R> {
+            visible: N::ZERO,
+            unresolved: N::ZERO,
+            root: PhantomData,
+        };
+        self.add_to(&mut sum);
+        let high = sum.visible + sum.unresolved;
+        let low = if self.left_out == 0 {
+            sum.visible
+        } else {
+            N::ZERO
+        };
+        Bracket { low, high }
+    }
+}
+
+impl<
+    const VERTICES: usize,
+    const PIECES: usize,
+    const LINES: usize,
+    const BLOCKERS: usize,
+    N: Floating,
+> Default for Exact<VERTICES, PIECES, LINES, BLOCKERS, N>
+{
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The lines of one blocker; `None` behind the last.
+#[inline(always)]
+fn lines_of<'a, N>(lines: &'a [Line<N>], ends: &[u16], blocker: usize) -> Option<&'a [Line<N>]> {
+    let end = usize::from(*ends.get(blocker)?);
+    let start = match blocker.checked_sub(1) {
+        Some(before) => usize::from(*ends.get(before)?),
+        None => 0,
+    };
+    lines.get(start..end)
+}
+
+/// How a piece lies to the inside of all lines.
+#[inline]
+fn overlap<'a, N: Floating, const VERTICES: usize>(
+    lines: &[Line<N>],
+    piece: &Polygon<N, VERTICES>,
+    buffers: [&'a mut Polygon<N, VERTICES>; 2],
+) -> Result<Overlap<'a, N, VERTICES>, Full> {
+    if lines.iter().any(|line| piece.side(line) == Side::Outside) {
+        return Ok(Overlap::Apart);
+    }
+    let [mut common, mut spare] = buffers;
+    let mut cut = false;
+    for line in lines {
+        let from = if cut { &*common } else { piece };
+        match from.side(line) {
+            Side::Inside => {}
+            Side::Outside => return Ok(Overlap::Apart),
+            Side::Both => {
+                from.clip(line, spare)?;
+                swap(&mut common, &mut spare);
+                cut = true;
+            }
+        }
+    }
+    Ok(if cut {
+        Overlap::Hidden(common)
+    } else {
+        Overlap::Covered
+    })
+}
+
+/// The sum of form factors.
+struct FormFactor<N, R> {
+    visible: N,
+    unresolved: N,
+    root: PhantomData<R>,
+}
+
+impl<N: Floating, R: Root<N> + Copy> Sum<N> for FormFactor<N, R> {
+    fn visible(&mut self, piece: &Piece<'_, N>) {
+        self.visible = self.visible + piece.form_factor::<R>();
+    }
+
+    fn unresolved(&mut self, piece: &Piece<'_, N>) {
+        self.unresolved = self.unresolved + piece.form_factor::<R>();
+    }
+
+    fn difference(&mut self, piece: &Piece<'_, N>, hidden: &Piece<'_, N>) -> bool {
+        let (all, part) = (piece.form_factor::<R>(), hidden.form_factor::<R>());
+        let clear = part < all * N::of(0.75);
+        if clear {
+            self.visible = self.visible + (all - part);
+        }
+        clear
+    }
+}
+
+impl<
+    const VERTICES: usize,
+    const PIECES: usize,
+    const LINES: usize,
+    const BLOCKERS: usize,
+    N: Floating,
+> Visibility<N> for Exact<VERTICES, PIECES, LINES, BLOCKERS, N>
+{
+    fn form_factor<R: Root<N> + Copy>(
+        &mut self,
+        receiver: &Receiver<N>,
+        target: &Target<'_>,
+        occluders: &Occluders<'_>,
+        blockers: impl Iterator<Item = Blocker>,
+        unoccluded: impl FnOnce() -> N,
+    ) -> Bracket<N> {
+        match self.gather(receiver, target, occluders, blockers) {
+            Gathered::Dark => Bracket::exactly(N::ZERO),
+            Gathered::Whole => Bracket::exactly(unoccluded()),
+            Gathered::Partly => Exact::form_factor::<R>(self).at_most(unoccluded()),
+            Gathered::Overflow => Bracket {
+                low: N::ZERO,
+                high: unoccluded(),
+            },
+        }
+    }
+}
