@@ -48,7 +48,9 @@ fn host(group: &mut BenchmarkGroup<'_, WallTime>, planned: &Planned) {
         let field = |places: &[_]| once.irradiance_at(places);
         bencher.iter(|| plan::isolux(scene, &scene.budget, &field));
     });
-    group.bench_function("bake", |bencher| bencher.iter(|| bake::bake(scene, plan)));
+    group.bench_function("bake", |bencher| {
+        bencher.iter(|| bake::bake(scene, plan, None))
+    });
 }
 
 fn kernel(group: &mut BenchmarkGroup<'_, WallTime>, planned: &Planned) {

@@ -67,7 +67,7 @@ fn baked(source: (&str, &str)) -> Tables {
     let once = Reference::new(&scene, Reflections::AtMost(1), &mut |_| {}).expect("a reference");
     let field = |places: &[(DVec3, DVec3)]| once.irradiance_at(places);
     let plan = plan::isolux(&scene, &scene.budget, &field).expect("a plan");
-    bake::bake(&scene, &plan).expect("tables")
+    bake::bake(&scene, &plan, None).expect("tables")
 }
 
 /// The kernel with the soft root of the device, checked against the hardware's.
@@ -98,6 +98,7 @@ fn solved<A: Arithmetic<f32>, H: Arithmetic<f32>>(
         let receiver = Receiver::new::<SoftRoot>(p, n).expect("a receiver");
         bits(light.at(&receiver))
     });
+    let points = points.collect();
     Solved {
         rung: rung.to_owned(),
         stop: format!("{stop:?}"),
@@ -106,7 +107,7 @@ fn solved<A: Arithmetic<f32>, H: Arithmetic<f32>>(
         unshot: bits(ended.unshot),
         samples: light.irradiance().iter().map(|&e| bits(e)).collect(),
         grids,
-        points: points.collect(),
+        points,
     }
 }
 

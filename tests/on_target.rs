@@ -6,13 +6,13 @@
 
 use isolux::form_factor::Best;
 use isolux::number::SoftRoot;
-use isolux::scene::records::{Counts, Emitter, Header, Loop, Surface, checksum};
+use isolux::scene::records::{self, Counts, Emitter, Header, Loop, Surface, checksum};
 use isolux::scene::{Aligned, MAGIC, Scene, VERSION, required_bytes};
 use isolux::shoot::{Light, Stop};
 use isolux_host::device::{self, Core, Error, Job, Measured, Options};
 use isolux_host::reference::{Reference, Reflections};
 use isolux_host::scene::{Budget, file, shipped};
-use isolux_host::solve::{self, Rung};
+use isolux_host::solve::{self, Rung, Sight};
 use isolux_host::{bake, plan};
 use zerocopy::IntoBytes;
 
@@ -108,6 +108,7 @@ fn tables() -> Vec<u8> {
         bytes: required_bytes(&counts).expect("far below 4 GiB"),
         checksum: 0,
         counts,
+        sight: records::Sight::default(),
         tolerance: 5e-6,
     };
     let sections = [
@@ -212,9 +213,9 @@ fn the_paper_scene_gives_the_hosts_bits_on_every_core() {
     let once = Reference::new(&scene, Reflections::AtMost(1), &mut |_| {}).expect("a reference");
     let field = |places: &[_]| once.irradiance_at(places);
     let plan = plan::isolux(&scene, &scene.budget, &field).expect("a plan");
-    let tables = bake::bake(&scene, &plan).expect("tables");
+    let tables = bake::bake(&scene, &plan, None).expect("tables");
     for rung in [Rung::Best, Rung::Libm] {
-        let solution = solve::solve(&tables, rung, STOP).expect("a solution");
+        let solution = solve::solve(&tables, rung, Sight::None, STOP).expect("a solution");
         let mut expected = solution.bits(&solution.irradiance());
         for (index, surface) in plan.surfaces.iter().enumerate() {
             if !surface.samples.is_empty() {

@@ -11,7 +11,7 @@ use isolux_host::bake;
 use isolux_host::plan::{self, Plan};
 use isolux_host::reference::{Reference, Reflections};
 use isolux_host::scene::{Scene, file, shipped};
-use isolux_host::solve::{self, Rung};
+use isolux_host::solve::{self, Rung, Sight};
 use program::isolux;
 use serde::Deserialize;
 use std::fmt::Write;
@@ -85,9 +85,9 @@ fn the_reference_agrees_to_nine_digits() {
 fn the_kernel_agrees_within_the_rungs_errors() {
     for (name, source, points) in scenes() {
         let (scene, plan) = planned(name, source);
-        let tables = bake::bake(&scene, &plan).expect("tables");
+        let tables = bake::bake(&scene, &plan, None).expect("tables");
         let off = |surface: &str, rung, bounces| {
-            let solution = solve::solve(&tables, rung, Stop::Reflections(bounces));
+            let solution = solve::solve(&tables, rung, Sight::None, Stop::Reflections(bounces));
             let single = |v: [f64; 3]| v.map(|x| x as f32);
             let asked: Vec<_> = on(&points, surface)
                 .map(|point| (single(point.p), single(point.n)))
@@ -96,7 +96,7 @@ fn the_kernel_agrees_within_the_rungs_errors() {
             worst(
                 answers
                     .into_iter()
-                    .map(|[e, ..]| f64::from(e))
+                    .map(|at| f64::from(at.value[0]))
                     .zip(on(&points, surface)),
             )
         };
@@ -110,7 +110,8 @@ fn the_kernel_agrees_within_the_rungs_errors() {
         assert!(letter <= 1e-4, "{name}, A, libm: {letter:e}");
         assert!(bounced <= 0.03, "{name}, B: {bounced}");
         // B sees the light's plane edge on: no direct light, exactly.
-        let solution = solve::solve(&tables, Rung::Best, Stop::Reflections(0)).expect("a solution");
+        let solution = solve::solve(&tables, Rung::Best, Sight::None, Stop::Reflections(0))
+            .expect("a solution");
         let asked: Vec<_> = on(&points, "B")
             .map(|point| (point.p.map(|x| x as f32), point.n.map(|x| x as f32)))
             .collect();
@@ -119,7 +120,7 @@ fn the_kernel_agrees_within_the_rungs_errors() {
                 .at(&asked)
                 .expect("receivers")
                 .iter()
-                .all(|&e| e == [0.0; 3])
+                .all(|at| at.value == [0.0; 3])
         );
     }
 }

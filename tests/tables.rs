@@ -23,7 +23,7 @@ fn planned(name: &str, source: &str) -> (Scene, Plan, Tables) {
     let once = Reference::new(&scene, Reflections::AtMost(1), &mut |_| {}).expect("a reference");
     let field = |places: &[(DVec3, DVec3)]| once.irradiance_at(places);
     let plan = plan::isolux(&scene, &scene.budget, &field).expect("a plan");
-    let tables = bake::bake(&scene, &plan).expect("tables");
+    let tables = bake::bake(&scene, &plan, None).expect("tables");
     (scene, plan, tables)
 }
 

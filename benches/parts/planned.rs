@@ -28,7 +28,7 @@ fn planned(name: &str, source: &str) -> Planned {
     let once = reference(&scene);
     let field = |places: &[_]| once.irradiance_at(places);
     let plan = plan::isolux(&scene, &scene.budget, &field).expect("a shipped scene has a plan");
-    let tables = bake::bake(&scene, &plan).expect("a shipped scene fits the tables");
+    let tables = bake::bake(&scene, &plan, None).expect("a shipped scene fits the tables");
     Planned {
         scene,
         plan,

@@ -10,7 +10,7 @@ use isolux_host::baseline::{self, Baseline, Parameters};
 use isolux_host::compare::{self, Answers, Compared, Errors};
 use isolux_host::device::{self, Core, Cost, Error, Job, Options};
 use isolux_host::reference::Reference;
-use isolux_host::solve::{self, HostRoot, Rung};
+use isolux_host::solve::{self, HostRoot, Rung, Sight};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
@@ -128,7 +128,12 @@ pub(crate) fn scene(
     planned: &Planned,
     prices: Option<&Prices>,
 ) -> Result<Table, Box<dyn std::error::Error>> {
-    let solution = solve::solve(&planned.tables, Rung::Best, Stop::Reflections(1))?;
+    let solution = solve::solve(
+        &planned.tables,
+        Rung::Best,
+        Sight::None,
+        Stop::Reflections(1),
+    )?;
     let once = planned::reference(&planned.scene);
     let answers = Answers {
         scene: &planned.scene,

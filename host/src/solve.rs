@@ -13,6 +13,10 @@ use isolux::luminance::{Colour, Constant, Linear, Luminance, Rgb};
 use isolux::number::Root;
 use isolux::scene::Scene;
 use isolux::shoot::{Light, Solved, Stop};
+use isolux::visibility::records::{Blocker, Occluders, Target};
+use isolux::visibility::{
+    Bracket, Capacities, Exact, Looked, Sum, Unoccluded, VertexRays, Visibility,
+};
 use rayon::prelude::*;
 
 /// The host's square root: an instruction, correctly rounded like every
@@ -221,6 +225,96 @@ const SAMPLES: usize = 1 << 14;
 /// The most emitters a solve on the host holds.
 const EMITTERS: usize = 1 << 12;
 
+/// The rungs of visibility.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sight {
+    /// Nothing hides anything.
+    #[default]
+    None,
+    /// [`VertexRays`].
+    VertexRays,
+    /// [`Exact`].
+    Exact,
+}
+
+impl Sight {
+    /// Its name on the ladder.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::VertexRays => "vertex-rays",
+            Self::Exact => "exact",
+        }
+    }
+}
+
+/// The host's workspace: room for some sixty occluders between one place and
+/// one emitter.
+type Workspace = Exact<32, 64, 256, 64>;
+
+/// A rung of visibility that looks from many samples at once. Every sample is
+/// looked at by one core and no sum is divided: the bits are those of one after
+/// the other.
+#[derive(Clone, Debug, Default)]
+struct Cores<V>(V);
+
+impl<V: Visibility + Default + Send> Visibility for Cores<V> {
+    const CAPACITIES: Capacities = V::CAPACITIES;
+
+    #[inline(always)]
+    fn form_factor<R: Root<f32> + Copy>(
+        &mut self,
+        receiver: &Receiver<f32>,
+        target: &Target<'_>,
+        occluders: &Occluders<'_>,
+        blockers: impl Iterator<Item = Blocker>,
+        unoccluded: impl FnOnce() -> f32,
+    ) -> Bracket<f32> {
+        let sight = &mut self.0;
+        sight.form_factor::<R>(receiver, target, occluders, blockers, unoccluded)
+    }
+
+    #[inline(always)]
+    fn look(
+        &mut self,
+        receiver: &Receiver<f32>,
+        target: &Target<'_>,
+        occluders: &Occluders<'_>,
+        blockers: impl Iterator<Item = Blocker>,
+        parts: &mut impl Sum<f32>,
+    ) -> Looked<f32> {
+        self.0.look(receiver, target, occluders, blockers, parts)
+    }
+
+    fn each<C: Send>(&mut self, values: &mut [C], value: impl Fn(&mut Self, usize, &mut C) + Sync) {
+        /// Samples below which handing out work costs more than it saves.
+        const FEW: usize = 64;
+        if values.len() < FEW {
+            for (index, place) in values.iter_mut().enumerate() {
+                value(self, index, place);
+            }
+            return;
+        }
+        values
+            .par_iter_mut()
+            .enumerate()
+            .with_min_len(FEW / 2)
+            .for_each_init(Self::default, |sight, (index, place)| {
+                value(sight, index, place);
+            });
+    }
+}
+
+/// An answer at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct At {
+    /// The irradiance.
+    pub value: Channels,
+    /// Whether visibility was known in full; else the value is the middle of
+    /// what is possible.
+    pub is_exact: bool,
+}
+
 /// Light in the three channels; a grey scene has the same in all.
 pub type Channels = [f32; 3];
 
@@ -236,7 +330,7 @@ trait Lit: Send + Sync {
     fn solve(&mut self, stop: Stop) -> Solved;
     fn channels(&self) -> usize;
     fn irradiance(&self) -> Vec<Channels>;
-    fn at(&self, receiver: &Receiver<f32>) -> Channels;
+    fn at(&self, receivers: &[Receiver<f32>]) -> Vec<At>;
     fn radiosity(&self, emitter: usize) -> Channels;
     fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<Channels>, Error>;
     fn row(
@@ -265,10 +359,11 @@ impl ToChannels for Rgb {
     }
 }
 
-impl<A, L> Lit for Light<'_, A, SAMPLES, EMITTERS, L>
+impl<A, L, V> Lit for Light<'_, A, SAMPLES, EMITTERS, L, V>
 where
     A: Arithmetic<f32> + Send + Sync,
     L: Luminance<Colour: ToChannels>,
+    V: Visibility + Default + Send + Sync,
 {
     fn solve(&mut self, stop: Stop) -> Solved {
         Light::solve(self, stop)
@@ -283,8 +378,15 @@ where
         values.map(|value| value.channels()).collect()
     }
 
-    fn at(&self, receiver: &Receiver<f32>) -> Channels {
-        Light::at(self, receiver).channels()
+    fn at(&self, receivers: &[Receiver<f32>]) -> Vec<At> {
+        let one = |sight: &mut V, receiver: &Receiver<f32>| {
+            let bracket = self.at_with(receiver, sight);
+            At {
+                value: bracket.middle().channels(),
+                is_exact: bracket.is_exact(),
+            }
+        };
+        receivers.par_iter().map_init(V::default, one).collect()
     }
 
     fn radiosity(&self, emitter: usize) -> Channels {
@@ -313,23 +415,30 @@ where
 }
 
 /// The kernel's state for a scene, of the type that its tables ask for.
-fn dark<A>(scene: Scene<'_>) -> Result<Box<dyn Lit + '_>, Error>
+fn dark<A>(scene: Scene<'_>, sight: Sight) -> Result<Box<dyn Lit + '_>, Error>
 where
     A: Arithmetic<f32> + Send + Sync + 'static,
 {
-    fn of<'t, A, L>(scene: Scene<'t>) -> Result<Box<dyn Lit + 't>, Error>
+    fn of<'t, A, L>(scene: Scene<'t>, sight: Sight) -> Result<Box<dyn Lit + 't>, Error>
     where
         A: Arithmetic<f32> + Send + Sync + 'static,
         L: Luminance<Colour: ToChannels>,
     {
-        Ok(Box::new(Light::<A, SAMPLES, EMITTERS, L>::new(scene)?))
+        type Of<'t, A, L, V> = Light<'t, A, SAMPLES, EMITTERS, L, Cores<V>>;
+        Ok(match sight {
+            _ if scene.counts().occluders == 0 => {
+                Box::new(Of::<A, L, Unoccluded>::new(scene)?) as Box<dyn Lit + 't>
+            }
+            Sight::VertexRays => Box::new(Of::<A, L, VertexRays>::new(scene)?),
+            Sight::None | Sight::Exact => Box::new(Of::<A, L, Workspace>::new(scene)?),
+        })
     }
     let counts = scene.counts();
     match (counts.channels, counts.coefficients) {
-        (1, 1) => of::<A, Constant<f32>>(scene),
-        (1, _) => of::<A, Linear<f32>>(scene),
-        (_, 1) => of::<A, Constant<Rgb>>(scene),
-        _ => of::<A, Linear<Rgb>>(scene),
+        (1, 1) => of::<A, Constant<f32>>(scene, sight),
+        (1, _) => of::<A, Linear<f32>>(scene, sight),
+        (_, 1) => of::<A, Constant<Rgb>>(scene, sight),
+        _ => of::<A, Linear<Rgb>>(scene, sight),
     }
 }
 
@@ -337,9 +446,9 @@ where
 ///
 /// # Errors
 /// Those of [`Scene::load`] and [`Light::new`].
-pub fn solve(tables: &Tables, rung: Rung, stop: Stop) -> Result<Solution<'_>, Error> {
+pub fn solve(tables: &Tables, rung: Rung, sight: Sight, stop: Stop) -> Result<Solution<'_>, Error> {
     let scene = Scene::load(tables.bytes())?;
-    let mut light = with_rung!(rung, Kernel => dark::<Kernel>(scene)?);
+    let mut light = with_rung!(rung, Kernel => dark::<Kernel>(scene, sight)?);
     let solved = light.solve(stop);
     Ok(Solution { light, solved })
 }
@@ -379,11 +488,12 @@ impl Solution<'_> {
     ///
     /// # Errors
     /// [`Error::Receiver`] for a place or normal that is none.
-    pub fn at(&self, receivers: &[([f32; 3], [f32; 3])]) -> Result<Vec<Channels>, Error> {
-        let one = |&(position, normal): &([f32; 3], [f32; 3])| {
-            Ok(self.light.at(&Receiver::new::<HostRoot>(position, normal)?))
-        };
-        receivers.par_iter().map(one).collect()
+    pub fn at(&self, receivers: &[([f32; 3], [f32; 3])]) -> Result<Vec<At>, Error> {
+        let receivers: Vec<Receiver<f32>> = receivers
+            .iter()
+            .map(|&(position, normal)| Receiver::new::<HostRoot>(position, normal))
+            .collect::<Result<_, _>>()?;
+        Ok(self.light.at(&receivers))
     }
 
     /// Irradiance resampled at (u, v), metres in the frame of a surface; `None`

@@ -108,6 +108,20 @@ pub enum What {
     Members,
     /// What those samples weigh.
     Weights,
+    /// Things that hide others.
+    Occluders,
+    /// Faces of occluders.
+    Faces,
+    /// Edges of occluders.
+    Edges,
+    /// Vertices of occluders.
+    Places,
+    /// What can hide emitters.
+    Blockers,
+    /// Pieces of an emitter that wait to be looked at.
+    Pieces,
+    /// Lines that occluders cut an emitter along.
+    Lines,
     /// Channels of light.
     Channels,
     /// Coefficients of an emitter's radiosity.
@@ -132,6 +146,13 @@ impl fmt::Display for What {
             Self::Shapes => "shapes",
             Self::Members => "members",
             Self::Weights => "weights",
+            Self::Occluders => "occluders",
+            Self::Faces => "faces",
+            Self::Edges => "edges",
+            Self::Places => "places",
+            Self::Blockers => "blockers",
+            Self::Pieces => "pieces",
+            Self::Lines => "lines",
             Self::Channels => "channels",
             Self::Coefficients => "coefficients",
             Self::Rows => "rows",

@@ -17,6 +17,7 @@ use crate::luminance::{Colour, Luminance};
 use crate::number::Root;
 use crate::scene::records::Surface;
 use crate::shoot::Light;
+use crate::visibility::Visibility;
 
 /// Doublings of the radius after which the search for a sample ends: 2⁴⁰
 /// spans every ratio of lengths that checked tables can hold.
@@ -78,8 +79,11 @@ pub struct Row {
     pub out_of_reach: u32,
 }
 
-impl<A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize, L: Luminance>
-    Light<'_, A, SAMPLES, EMITTERS, L>
+impl<A, const SAMPLES: usize, const EMITTERS: usize, L, V> Light<'_, A, SAMPLES, EMITTERS, L, V>
+where
+    A: Arithmetic<f32>,
+    L: Luminance,
+    V: Visibility,
 {
     /// The cone-filtered irradiance in W m⁻² at (u, v), metres in the frame of a
     /// surface; `None` for a surface without samples.

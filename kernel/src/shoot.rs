@@ -24,17 +24,25 @@ use crate::form_factor::Arithmetic;
 use crate::geometry::Receiver;
 use crate::luminance::{Colour, Constant, Luminance};
 use crate::scene::{BRIGHTEST, Scene};
+use crate::visibility::{Bracket, Unoccluded, Visibility};
 use core::marker::PhantomData;
 use heapless::Vec;
 
 /// The light in a scene, for at most `SAMPLES` samples and `EMITTERS` emitters.
 ///
 /// `A` is the arithmetic rung, `L` how radiosity varies over an emitter and how
-/// many channels it has; both must be what the tables were baked for.
+/// many channels it has, `V` the rung of visibility with its workspace; all must
+/// be what the tables were baked for.
 /// RAM: [`budget::light_bytes`](crate::budget::light_bytes).
 #[derive(Clone, Debug)]
-pub struct Light<'t, A, const SAMPLES: usize, const EMITTERS: usize, L = Constant<f32>>
-where
+pub struct Light<
+    't,
+    A,
+    const SAMPLES: usize,
+    const EMITTERS: usize,
+    L = Constant<f32>,
+    V = Unoccluded,
+> where
     L: Luminance,
 {
     scene: Scene<'t>,
@@ -43,6 +51,7 @@ where
     emitters: Vec<Shot<L>, EMITTERS>,
     /// Form factors evaluated since the scene was dark.
     form_factors: u32,
+    sight: V,
     rung: PhantomData<A>,
 }
 
@@ -105,15 +114,22 @@ pub struct Solved {
     pub unshot: f32,
 }
 
-impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize, L: Luminance>
-    Light<'t, A, SAMPLES, EMITTERS, L>
+impl<'t, A, const SAMPLES: usize, const EMITTERS: usize, L, V> Light<'t, A, SAMPLES, EMITTERS, L, V>
+where
+    A: Arithmetic<f32>,
+    L: Luminance,
+    V: Visibility,
 {
     /// A dark scene, ready to be lit.
     ///
     /// # Errors
     /// [`Error::Capacity`] where the scene has more samples or emitters than
-    /// the type holds, or other channels or coefficients.
-    pub fn new(scene: Scene<'t>) -> Result<Self, Error> {
+    /// the type holds, other channels or coefficients, or occluders that its
+    /// workspace cannot hold.
+    pub fn new(scene: Scene<'t>) -> Result<Self, Error>
+    where
+        V: Default,
+    {
         let full = |what, needed: usize, have: usize| Error::Capacity {
             what,
             needed: needed as u32,
@@ -128,11 +144,27 @@ impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize, L: Lum
         if coefficients != L::COEFFICIENTS {
             return Err(full(What::Coefficients, coefficients, L::COEFFICIENTS));
         }
+        let occluders = counts.occluders as usize;
+        if occluders > 0 && !V::CAPACITIES.occluders {
+            return Err(full(What::Occluders, occluders, 0));
+        }
+        let (needed, have) = (scene.sight(), V::CAPACITIES);
+        for (what, needed, have) in [
+            (What::Corners, needed.vertices, have.vertices),
+            (What::Pieces, needed.pieces, have.pieces),
+            (What::Lines, needed.lines, have.lines),
+            (What::Blockers, needed.blockers, have.blockers),
+        ] {
+            if needed > have {
+                return Err(full(what, needed as usize, have as usize));
+            }
+        }
         let mut light = Self {
             scene,
             irradiance: Vec::new(),
             emitters: Vec::new(),
             form_factors: 0,
+            sight: V::default(),
             rung: PhantomData,
         };
         let (samples, emitters) = (scene.samples().len(), scene.emitters().len());
@@ -281,14 +313,28 @@ impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize, L: Lum
     ///
     /// Cost: [`Scene::received`] for every emitter. The answer depends on the
     /// receiver alone, not on which others were asked.
-    pub fn at(&self, receiver: &Receiver<f32>) -> L::Colour {
-        let mut sum = L::Colour::DARK;
+    pub fn at(&self, receiver: &Receiver<f32>) -> L::Colour
+    where
+        V: Default,
+    {
+        self.at_with(receiver, &mut V::default()).middle()
+    }
+
+    /// As [`at`](Self::at), with the caller's workspace in place of one on the
+    /// stack; both bounds where it is too small for a place nobody planned for.
+    pub fn at_with(&self, receiver: &Receiver<f32>, sight: &mut V) -> Bracket<L::Colour> {
+        let mut sum = Bracket::exactly(L::Colour::DARK);
         for (index, state) in self.emitters.iter().enumerate() {
             if state.shot != L::DARK {
-                sum = sum.plus(self.scene.received::<A, L>(receiver, index, state.shot));
+                let scene = &self.scene;
+                sum = sum.plus(scene.received::<A, L, V>(receiver, index, state.shot, sight));
             }
         }
-        sum.map(|value| if value > 0.0 { value } else { 0.0 })
+        let lit = |value: f32| if value > 0.0 { value } else { 0.0 };
+        Bracket {
+            low: sum.low.map(lit),
+            high: sum.high.map(lit),
+        }
     }
 
     /// Radiosity of an emitter that it has not yet shot.
@@ -359,11 +405,14 @@ impl<'t, A: Arithmetic<f32>, const SAMPLES: usize, const EMITTERS: usize, L: Lum
             self.form_factors = self.form_factors.saturating_add(samples.len() as u32);
             let places = scene.samples().get(samples.clone()).unwrap_or(&[]);
             let values = self.irradiance.get_mut(samples).unwrap_or_default();
-            for (value, &place) in values.iter_mut().zip(places) {
+            self.sight.each(values, |sight, number, value| {
+                let Some(&place) = places.get(number) else {
+                    return;
+                };
                 let receiver = Receiver::of_unit(surface.place(place), surface.normal.into());
-                let more = scene.received::<A, L>(&receiver, index, radiosity);
-                *value = value.plus(more);
-            }
+                let more = scene.received::<A, L, V>(&receiver, index, radiosity, sight);
+                *value = value.plus(more.middle());
+            });
         }
         if let Some(state) = self.emitters.get_mut(index) {
             state.shot = state.shot.zip(radiosity, Colour::plus);

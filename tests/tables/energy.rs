@@ -103,7 +103,7 @@ pub(crate) fn patched(source: &str, side: usize) -> Planned {
     let plan = Plan {
         surfaces: surfaces.collect(),
     };
-    let tables = bake::bake(&scene, &plan).expect("tables");
+    let tables = bake::bake(&scene, &plan, None).expect("tables");
     (scene, plan, tables)
 }
 
@@ -318,9 +318,13 @@ fn answers_do_not_depend_on_what_else_was_asked() {
     assert_eq!(forward, backward);
     assert!(forward.iter().any(|&bits| bits != 0));
     // The host asks on several threads at once.
-    let solution =
-        isolux_host::solve::solve(tables, isolux_host::solve::Rung::Best, Stop::below(1e-3))
-            .expect("a solution");
+    let solution = isolux_host::solve::solve(
+        tables,
+        isolux_host::solve::Rung::Best,
+        isolux_host::solve::Sight::None,
+        Stop::below(1e-3),
+    )
+    .expect("a solution");
     let asked: Vec<_> = places
         .iter()
         .map(|r| (r.position().into(), r.normal().into()))
@@ -328,7 +332,7 @@ fn answers_do_not_depend_on_what_else_was_asked() {
     let host = solution.at(&asked).expect("receivers");
     for (host, kernel) in host.iter().zip(&asked) {
         let receiver = Receiver::new::<SoftRoot>(kernel.0, kernel.1).expect("a receiver");
-        assert_eq!(host[0].to_bits(), light.at(&receiver).to_bits());
+        assert_eq!(host.value[0].to_bits(), light.at(&receiver).to_bits());
     }
 }
 

@@ -201,7 +201,7 @@ fn impossible_energy_gives_no_nan() {
         band.area = 5e16;
         surface.bands = vec![band; 40];
     }
-    let tables = bake::bake(&scene, &plan).expect("tables");
+    let tables = bake::bake(&scene, &plan, None).expect("tables");
     let scene = Scene::load(tables.bytes()).expect("what the format allows");
     let mut light = Box::new(Light::<Best, 64, 256>::new(scene).expect("room"));
     for stop in [

@@ -59,7 +59,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         scene: scene.name.clone(),
     };
     // What this build lacks or a budget forbids is an answer here, no failure.
-    match pipeline::plan(scene, &arguments.rungs) {
+    match pipeline::plan(scene, &arguments.rungs, &[]) {
         Ok(planned) => {
             let counts = &planned.tables.counts;
             checked.capacities = Some(Capacities {

@@ -5,7 +5,7 @@ use super::failure::Failure;
 use crate::scene::requires::Requirements;
 use crate::scene::rungs::LADDERS;
 use crate::scene::{Rungs, Scene};
-use crate::solve::{FormFactorRung, Rung};
+use crate::solve::{FormFactorRung, Rung, Sight};
 use clap::Args;
 
 /// The flags named after the ladders.
@@ -15,7 +15,8 @@ pub(super) struct RungArguments {
     /// Number type and edge term: libm, micromath, poly3, poly5, poly8, best.
     #[arg(long, value_name = "RUNG")]
     pub(super) arithmetic: Option<String>,
-    /// How occlusion is found: none.
+    /// How occlusion is found: exact (the default where something can occlude),
+    /// vertex-rays, none (light passes through everything).
     #[arg(long, value_name = "RUNG")]
     visibility: Option<String>,
     /// What shoots reflected light: isolux (the default of open scenes), linear
@@ -39,7 +40,7 @@ const BUILT: [(&str, &[&str]); 6] = [
         "arithmetic",
         &["libm", "micromath", "poly3", "poly5", "poly8", "best"],
     ),
-    ("visibility", &["none"]),
+    ("visibility", &["none", "vertex-rays", "exact"]),
     ("emitters", &["isolux", "linear"]),
     ("transfer", &["exact"]),
     ("placement", &["isolux"]),
@@ -71,6 +72,7 @@ pub(super) enum Emitters {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Choices {
     pub(super) arithmetic: Rung,
+    pub(super) sight: Sight,
     pub(super) emitters: Emitters,
 }
 
@@ -109,6 +111,13 @@ pub(super) fn choices(
     let is_room = needs.visibility.is_some() || needs.reflectors.len() > OPEN;
     Ok(Choices {
         arithmetic: named(rungs.arithmetic.as_deref())?,
+        sight: match rungs.visibility.as_deref() {
+            Some("vertex-rays") => Sight::VertexRays,
+            Some("none") => Sight::None,
+            Some(_) => Sight::Exact,
+            None if needs.visibility.is_some() => Sight::Exact,
+            None => Sight::None,
+        },
         emitters: match rungs.emitters.as_deref() {
             Some("linear") => Emitters::Linear,
             Some(_) => Emitters::Isolux,

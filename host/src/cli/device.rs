@@ -28,7 +28,11 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
-    let planned = pipeline::plan(pipeline::read(&arguments.scene.scene)?, &arguments.rungs)?;
+    let planned = pipeline::plan(
+        pipeline::read(&arguments.scene.scene)?,
+        &arguments.rungs,
+        &[],
+    )?;
     let bounces = arguments.bounces.bounces;
     let solution = planned.solve(bounces)?;
     let expected = expected(&planned, &solution)?;

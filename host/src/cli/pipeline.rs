@@ -3,13 +3,14 @@
 use super::choice::{self, Emitters, RungArguments};
 use super::failure::Failure;
 use crate::bake::{self, Tables};
+use crate::occlusion::Occlusion;
 use crate::plan::{self, Plan};
 use crate::reference::{self, Reference, Reflections};
 use crate::report::Progress;
 use crate::scene::diagnostic::Diagnostic;
 use crate::scene::requires::{Requirements, requirements};
 use crate::scene::{Scene, file, shipped};
-use crate::solve::{self, Rung, Solution};
+use crate::solve::{self, Rung, Sight, Solution};
 use glam::DVec3;
 use isolux::shoot::Stop;
 use std::path::Path;
@@ -35,8 +36,8 @@ pub(super) fn read(path: &Path) -> Result<Scene, Failure> {
     Ok(file::read(path)?)
 }
 
-/// Refuses what this build would render wrong.
-pub(super) fn supported(scene: &Scene) -> Result<Requirements, Failure> {
+/// Refuses what the reference would answer wrong.
+fn supported(scene: &Scene) -> Result<Requirements, Failure> {
     let needs = requirements(scene);
     if let Some(blocked) = &needs.visibility {
         return Err(Failure::limit(
@@ -63,16 +64,20 @@ pub(super) fn supported(scene: &Scene) -> Result<Requirements, Failure> {
 pub(super) struct Planned {
     pub(super) scene: Scene,
     pub(super) rung: Rung,
+    pub(super) sight: Sight,
     pub(super) plan: Plan,
     pub(super) tables: Tables,
 }
 
-/// Plans and bakes a scene after checking that this build can.
-pub(super) fn plan(scene: Scene, rungs: &RungArguments) -> Result<Planned, Failure> {
+/// Plans and bakes a scene after checking that this build can, for receivers
+/// within the convex hull of the scene and of `places`.
+pub(super) fn plan(
+    scene: Scene,
+    rungs: &RungArguments,
+    places: &[DVec3],
+) -> Result<Planned, Failure> {
     let needs = requirements(&scene);
     let choices = choice::choices(rungs, &scene, &needs)?;
-    supported(&scene)?;
-    let rung = choices.arithmetic;
     let plan = match choices.emitters {
         Emitters::Isolux => {
             // The samples follow the light after one reflection: it has the
@@ -88,12 +93,20 @@ pub(super) fn plan(scene: Scene, rungs: &RungArguments) -> Result<Planned, Failu
     };
     let plan =
         plan.map_err(|error| Failure::limit(error, "change [budget] samples in the scene"))?;
-    let tables = bake::bake(&scene, &plan)
+    let occlusion = match choices.sight {
+        Sight::None => None,
+        Sight::VertexRays | Sight::Exact => Some(
+            Occlusion::of(&scene, places.iter().copied())
+                .map_err(|error| Failure::limit(error, "split the scene"))?,
+        ),
+    };
+    let tables = bake::bake(&scene, &plan, occlusion)
         .map_err(|error| Failure::limit(error, "lower [budget] samples or split the scene"))?;
     affordable(&scene, &tables)?;
     Ok(Planned {
         scene,
-        rung,
+        rung: choices.arithmetic,
+        sight: choices.sight,
         plan,
         tables,
     })
@@ -125,7 +138,7 @@ fn affordable(scene: &Scene, tables: &Tables) -> Result<(), Failure> {
 impl Planned {
     /// Solves it on the host, with the kernel.
     pub(super) fn solve(&self, bounces: Option<u32>) -> Result<Solution<'_>, Failure> {
-        solve::solve(&self.tables, self.rung, stop(bounces))
+        solve::solve(&self.tables, self.rung, self.sight, stop(bounces))
             .map_err(|error| Failure::limit(error, "lower [budget] samples or split the scene"))
     }
 }
@@ -152,6 +165,7 @@ pub(super) fn same_light(bounces: Option<u32>) -> Reflections {
 
 /// The f64 reference, with progress.
 pub(super) fn judge(scene: &Scene, reflections: Reflections) -> Result<Reference, Failure> {
+    supported(scene)?;
     const STEPS: f64 = 1000.0;
     let progress = Progress::start("reference", STEPS as u64);
     let mut tell = |done: f64| {

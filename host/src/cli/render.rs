@@ -127,7 +127,11 @@ struct ClassicalErrors<'a> {
 }
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
-    let planned = pipeline::plan(pipeline::read(&arguments.scene.scene)?, &arguments.rungs)?;
+    let planned = pipeline::plan(
+        pipeline::read(&arguments.scene.scene)?,
+        &arguments.rungs,
+        &[],
+    )?;
     let bounces = arguments.bounces.bounces;
     // A directory that cannot be made is found out before the work is done.
     make(&arguments.output)?;

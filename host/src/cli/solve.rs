@@ -4,11 +4,12 @@ use super::choice::RungArguments;
 use super::failure::Failure;
 use super::pipeline::{self, Planned};
 use super::{BouncesArgument, SceneArgument};
+use crate::report;
 use crate::scene::Scene;
 use crate::scene::diagnostic::Diagnostic;
 use crate::scene::points::{self, SensorPoint};
 use crate::scene::requires::requirements;
-use crate::solve::{Channels, Solution};
+use crate::solve::{At, Solution};
 use clap::Args;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -95,9 +96,9 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         1 => &GREY,
         _ => &COLOUR,
     };
+    let places: Vec<glam::DVec3> = asked.iter().map(|a| a.point.position).collect();
     let values = if arguments.reference {
         super::choice::choices(&arguments.rungs, &scene, &requirements(&scene))?;
-        pipeline::supported(&scene)?;
         let reference = pipeline::judge(&scene, pipeline::same_light(bounces))?;
         let places: Vec<_> = asked
             .iter()
@@ -109,7 +110,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
             .map(|value| [Value::Double(value); 3])
             .collect()
     } else {
-        let planned = pipeline::plan(scene, &arguments.rungs)?;
+        let planned = pipeline::plan(scene, &arguments.rungs, &places)?;
         let solution = planned.solve(bounces)?;
         if arguments.reconstructed {
             reconstructed(&planned, &solution, &asked, arguments)?
@@ -203,7 +204,14 @@ fn evaluated(solution: &Solution<'_>, asked: &[Asked]) -> Result<Vec<[Value; 3]>
     let values = solution
         .at(&receivers)
         .map_err(|error| Failure::usage(error, ""))?;
-    let single = |values: Channels| values.map(Value::Single);
+    let inexact = values.iter().filter(|at| !at.is_exact).count();
+    if inexact > 0 {
+        report::warn(&format!(
+            "at {inexact} of {} points visibility met a bound of the workspace: the middle of what is possible is given",
+            values.len()
+        ));
+    }
+    let single = |at: At| at.value.map(Value::Single);
     Ok(values.into_iter().map(single).collect())
 }
 

@@ -57,6 +57,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         Some(path) => Some(pipeline::plan(
             pipeline::read(path)?,
             &RungArguments::default(),
+            &[],
         )?),
         None => None,
     };
@@ -78,6 +79,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
                 scene: &planned.scene,
                 plan: &planned.plan,
                 tables: &planned.tables,
+                sight: planned.sight,
                 reflections,
                 direct: &pipeline::judge(&planned.scene, Reflections::AtMost(0))?,
                 all: &pipeline::judge(&planned.scene, Reflections::AtMost(reflections as usize))?,

@@ -13,3 +13,8 @@ pub use file::{WriteError, write_file};
 pub use number::{percent, quantity};
 pub use progress::{Progress, silence};
 pub use table::{ErrorRow, error_table, error_table_markdown};
+
+/// Tells a person on stderr what an answer on stdout is worth less by.
+pub fn warn(message: &str) {
+    eprintln!("warning: {message}");
+}

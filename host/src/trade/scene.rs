@@ -7,7 +7,7 @@ use crate::device::{self, Core, Job, Options};
 use crate::plan::Plan;
 use crate::reference::Reference;
 use crate::scene::Scene;
-use crate::solve::{self, Rung};
+use crate::solve::{self, Rung, Sight};
 use glam::DVec3;
 use isolux::shoot::Stop;
 use serde::Serialize;
@@ -65,6 +65,8 @@ pub struct Judged<'a> {
     pub plan: &'a Plan,
     /// What the device reads.
     pub tables: &'a Tables,
+    /// How occlusion is found.
+    pub sight: Sight,
     /// How often light is reflected.
     pub reflections: u32,
     /// Light reflected never.
@@ -118,15 +120,16 @@ pub fn scene(
         progress(&format!("{} in {}", rung.name(), judged.scene.name));
         let errors = |reflections, exact: fn(&Field) -> &[f64]| {
             let stop = Stop::Reflections(reflections);
-            let solution = solve::solve(judged.tables, rung, stop).map_err(Error::Kernel)?;
+            let solution =
+                solve::solve(judged.tables, rung, judged.sight, stop).map_err(Error::Kernel)?;
             let mut errors = Vec::new();
             for field in &fields {
                 let exact = exact(field);
                 let full_scale = exact.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
                 let got = solution.at(&field.places).map_err(Error::Kernel)?;
                 let pairs = got.iter().zip(exact);
-                errors.extend(pairs.map(|(&[got, ..], exact)| {
-                    100.0 * (f64::from(got) - exact).abs() / full_scale
+                errors.extend(pairs.map(|(got, exact)| {
+                    100.0 * (f64::from(got.value[0]) - exact).abs() / full_scale
                 }));
             }
             Ok(summary(errors))

@@ -21,6 +21,8 @@ use core::marker::PhantomData;
 pub struct Best<R = SoftRoot>(PhantomData<R>);
 
 impl<N: Floating, R: Root<N> + Copy> Arithmetic<N> for Best<R> {
+    type Root = R;
+
     #[inline]
     fn contour(receiver: &Receiver<N>, facing: Vector<N>, outline: &Outline<'_, N>) -> N {
         if residual::is_small(receiver, outline) {

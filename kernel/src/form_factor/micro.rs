@@ -3,6 +3,7 @@
 use super::{Arithmetic, Outline, places};
 use crate::clip::{self, Edges, Place};
 use crate::geometry::{Receiver, Vector};
+use crate::number::SoftRoot;
 use micromath::F32Ext;
 
 /// The rung `micromath`: γ = atan2(|v_i × v_{i+1}|, v_i · v_{i+1}), with
@@ -51,6 +52,8 @@ impl Edges<f32, Place<f32>> for ArcTangents {
 }
 
 impl Arithmetic<f32> for Micromath {
+    type Root = SoftRoot;
+
     fn contour(receiver: &Receiver<f32>, _: Vector<f32>, outline: &Outline<'_, f32>) -> f32 {
         let edges = ArcTangents {
             normal: receiver.normal(),

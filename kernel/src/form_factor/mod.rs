@@ -57,10 +57,13 @@ pub use poly::{Poly, Poly3, Poly5, Poly8};
 
 use crate::clip::Place;
 use crate::geometry::{Plane, Receiver, Vector};
-use crate::number::Number;
+use crate::number::{Number, Root};
 
 /// A rung of the arithmetic ladder: how one loop of a polygon is summed.
 pub trait Arithmetic<N: Number> {
+    /// Where its square roots come from.
+    type Root: Root<N> + Copy;
+
     /// −2π times what one closed loop adds to the form factor: Σ γ_i n·unit(v_i
     /// × v_{i+1}) over its part above the receiver's horizon.
     ///

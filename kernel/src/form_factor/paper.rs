@@ -61,7 +61,9 @@ impl<N: ArcCosine, R: Root<N>> Edges<N, Place<N>> for ArcCosines<N, R> {
     }
 }
 
-impl<N: ArcCosine, R: Root<N>> Arithmetic<N> for Libm<R> {
+impl<N: ArcCosine, R: Root<N> + Copy> Arithmetic<N> for Libm<R> {
+    type Root = R;
+
     fn contour(receiver: &Receiver<N>, _: Vector<N>, outline: &Outline<'_, N>) -> N {
         let edges = ArcCosines::<N, R> {
             normal: receiver.normal(),

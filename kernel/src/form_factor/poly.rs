@@ -29,6 +29,8 @@ pub type Poly5<R = SoftRoot> = Poly<5, R>;
 pub type Poly8<R = SoftRoot> = Poly<8, R>;
 
 impl<const DEGREE: usize, N: Floating, R: Root<N> + Copy> Arithmetic<N> for Poly<DEGREE, R> {
+    type Root = R;
+
     #[inline]
     fn contour(receiver: &Receiver<N>, facing: Vector<N>, outline: &Outline<'_, N>) -> N {
         half_angle::contour::<DEGREE, N, R>(receiver, facing, outline)

@@ -14,7 +14,7 @@
 //! nodes; fifth degree with Radon's seven). Any other convex polygon is a fan of
 //! triangles. Nodes below the receiver's horizon count nothing.
 
-use crate::geometry::{Plane, Receiver, Vector};
+use crate::form_factor::SeenPlane;
 
 /// ∫ k dA and the place that is the centre of gravity under k.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -59,34 +59,25 @@ const NEAR: f32 = 9.0;
 const FAR: f32 = 36.0;
 
 impl View {
-    /// The plane with this front, its coordinates' origin at `origin` and their
-    /// axes of length `length` along `axis_a` and `axis_b`, which are unit
-    /// vectors at right angles.
+    /// An emitter's plane with coordinates whose axes are at right angles and of
+    /// length `unit` in metres; `height` is the receiver's over it.
     #[inline]
-    pub fn new(
-        receiver: &Receiver<f32>,
-        plane: &Plane<f32>,
-        origin: Vector<f32>,
-        [axis_a, axis_b]: [Vector<f32>; 2],
-        length: f32,
-    ) -> Self {
-        let normal = receiver.normal();
-        let center = origin - receiver.position();
-        let over = plane.height(receiver.position());
-        let square = length * length;
+    pub fn new(seen: &SeenPlane<f32>, unit: f32, height: f32) -> Self {
+        let ([axis_a, axis_b], normal) = (seen.axes, seen.normal);
+        let square = unit * unit;
         Self {
             height: [
-                normal.dot(center),
-                normal.dot(axis_a) * length,
-                normal.dot(axis_b) * length,
+                normal.dot(seen.origin),
+                normal.dot(axis_a),
+                normal.dot(axis_b),
             ],
             squared: [
-                center.norm_squared(),
-                center.dot(axis_a) * length,
-                center.dot(axis_b) * length,
+                seen.origin.norm_squared(),
+                seen.origin.dot(axis_a),
+                seen.origin.dot(axis_b),
                 square,
             ],
-            scale: over * square * core::f32::consts::FRAC_1_PI,
+            scale: height * square * core::f32::consts::FRAC_1_PI,
         }
     }
 

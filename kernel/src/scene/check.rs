@@ -4,6 +4,7 @@ use super::records::{Counts, Header, Loop, Surface, checksum};
 use super::{MAGIC, Scene, VERSION, required_bytes};
 use crate::Error;
 use crate::error::What;
+use crate::visibility::records::Occluders;
 use core::mem::{align_of, offset_of};
 use zerocopy::FromBytes;
 
@@ -71,6 +72,7 @@ pub(super) fn records(scene: &Scene<'_>) -> Result<(), Error> {
     all(What::Corners, scene.corners, |corner| {
         corner.iter().all(|x| (-CORNER..=CORNER).contains(x))
     })?;
+    occluders(scene)?;
     all(What::Samples, scene.samples, |place| coordinates(place))?;
     all(What::Weights, scene.weights, |weight| {
         (-HEAVIEST..=HEAVIEST).contains(weight)
@@ -89,6 +91,8 @@ fn counts_agree(counts: &Counts) -> bool {
         && counts.luminaires <= counts.emitters
         && (counts.shapes == 0 || counts.shapes == counts.emitters)
         && (counts.corners == 0 || counts.corners == counts.vertices)
+        && (counts.shapes == 0) == (counts.corners == 0)
+        && (counts.occluders == 0 || counts.shapes == counts.emitters)
         && match counts.coefficients {
             1 => counts.weights == 0,
             3 => {
@@ -129,6 +133,46 @@ fn emitters(scene: &Scene<'_>) -> Result<(), Error> {
             && inside(emitter.first_member, emitter.members, counts.members)
             && (index >= counts.luminaires || emitter.members == 0);
         ranges(What::Emitters, index, sound)?;
+    }
+    Ok(())
+}
+
+/// Occluders and the lists of them.
+fn occluders(scene: &Scene<'_>) -> Result<(), Error> {
+    let counts = &scene.header.counts;
+    let Occluders {
+        occluders,
+        faces,
+        edges,
+        vertices,
+        ..
+    } = scene.occluders;
+    all(What::Occluders, occluders, |occluder| {
+        coordinates(&occluder.centre) && (0.0..=FARTHEST).contains(&occluder.radius)
+    })?;
+    for (index, occluder) in (0..).zip(occluders) {
+        let sound = inside(occluder.first_face, occluder.faces, counts.faces)
+            && inside(occluder.first_edge, occluder.edges, counts.edges);
+        ranges(What::Occluders, index, sound)?;
+    }
+    all(What::Faces, faces, |face| {
+        unit(&face.normal) && coordinates(&[face.offset])
+    })?;
+    for (index, edge) in (0..).zip(edges) {
+        let ends = [edge.a, edge.b].map(u32::from);
+        ranges(
+            What::Edges,
+            index,
+            ends.iter().all(|&end| end < counts.places),
+        )?;
+    }
+    all(What::Places, vertices, |vertex| coordinates(vertex))?;
+    for (index, blocker) in (0..).zip(scene.blockers) {
+        ranges(What::Blockers, index, blocker.occluder < counts.occluders)?;
+    }
+    for (index, shape) in (0..).zip(scene.shapes) {
+        let sound = inside(shape.first_blocker, shape.blockers, counts.blockers);
+        ranges(What::Shapes, index, sound)?;
     }
     Ok(())
 }

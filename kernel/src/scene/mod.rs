@@ -16,22 +16,29 @@
 //! | reflectances | `f32`, one a surface and channel | 4 |
 //! | emitters | [`records::Emitter`] | 24 |
 //! | exitances | `f32`, π L in W m⁻², one a luminaire and channel | 4 |
-//! | shapes | [`records::Shape`] | 12 |
+//! | shapes | [`records::Shape`] | 20 |
 //! | loops | [`records::Loop`] | 12 |
 //! | vertices | `[f32; 3]`, metres | 12 |
 //! | corners | `[f32; 2]`, the vertices in the coordinates of their emitter | 8 |
+//! | occluders | [`Occluder`] | 32 |
+//! | faces | [`Face`] | 16 |
+//! | edges | [`Edge`] | 8 |
+//! | places | `[f32; 3]`, the occluders' vertices in metres | 12 |
+//! | blockers | [`Blocker`] | 8 |
 //! | samples | `[f32; 2]`, metres in the surface's frame | 8 |
 //! | weights | `f32`, one a coefficient of every member | 4 |
 //! | members | `u16` sample indices, padded to 4 bytes with 0 | 2 |
 //!
 //! Luminaires come first among the emitters and have no members. A secondary
 //! emitter reflects, with its surface's reflectance, what its members receive:
-//! the mean of them where radiosities are constant (no weights, shapes and
-//! corners then), or with three weights a member the mean and the two gradients
-//! of a linear radiosity. Samples are ordered by surface, and on a surface by
-//! what they receive.
+//! the mean of them where radiosities are constant (no weights then), or with
+//! three weights a member the mean and the two gradients of a linear radiosity.
+//! Shapes and corners are there where radiosities are linear or something
+//! occludes; loops are then convex. Samples are ordered by surface, and on a
+//! surface by what they receive.
 
 mod check;
+mod received;
 pub mod records;
 
 pub(crate) use check::BRIGHTEST;
@@ -40,10 +47,11 @@ use crate::Error;
 use crate::error::What;
 use crate::form_factor::{self, Arithmetic, Outline};
 use crate::geometry::{Plane, Receiver, Vector};
-use crate::luminance::{self, Colour, Luminance, Moments, View};
+use crate::luminance::Colour;
+use crate::visibility::records::{Blocker, Edge, Face, Occluder, Occluders};
 use core::mem::size_of;
 use core::ops::Range;
-use records::{Counts, Emitter, Header, Loop, Shape, Surface};
+use records::{Counts, Emitter, Header, Loop, Shape, Sight, Surface};
 use zerocopy::FromBytes;
 
 /// The version of the format that this kernel reads.
@@ -73,6 +81,8 @@ pub struct Scene<'t> {
     loops: &'t [Loop],
     vertices: &'t [[f32; 3]],
     corners: &'t [[f32; 2]],
+    occluders: Occluders<'t>,
+    blockers: &'t [Blocker],
     samples: &'t [[f32; 2]],
     weights: &'t [f32],
     members: &'t [u16],
@@ -109,6 +119,11 @@ impl<'t> Scene<'t> {
         let (loops, rest) = section::<Loop>(rest, counts.loops)?;
         let (vertices, rest) = section::<[f32; 3]>(rest, counts.vertices)?;
         let (corners, rest) = section::<[f32; 2]>(rest, counts.corners)?;
+        let (occluders, rest) = section::<Occluder>(rest, counts.occluders)?;
+        let (faces, rest) = section::<Face>(rest, counts.faces)?;
+        let (edges, rest) = section::<Edge>(rest, counts.edges)?;
+        let (places, rest) = section::<[f32; 3]>(rest, counts.places)?;
+        let (blockers, rest) = section::<Blocker>(rest, counts.blockers)?;
         let (samples, rest) = section::<[f32; 2]>(rest, counts.samples)?;
         let (weights, rest) = section::<f32>(rest, counts.weights)?;
         let (members, _) = section::<u16>(rest, counts.members)?;
@@ -122,6 +137,14 @@ impl<'t> Scene<'t> {
             loops,
             vertices,
             corners,
+            occluders: Occluders {
+                occluders,
+                faces,
+                edges,
+                vertices: places,
+                flat: header.tolerance,
+            },
+            blockers,
             samples,
             weights,
             members,
@@ -188,6 +211,11 @@ impl<'t> Scene<'t> {
     /// How many of everything there are.
     pub fn counts(&self) -> &'t Counts {
         &self.header.counts
+    }
+
+    /// What a workspace must hold so that visibility is exact at every sample.
+    pub fn sight(&self) -> &'t Sight {
+        &self.header.sight
     }
 
     /// Whether an emitter emits by itself.
@@ -275,81 +303,6 @@ impl<'t> Scene<'t> {
             && plane.normal.dot(receiver.normal()) > PARALLEL;
         (!coplanar).then_some((surface, plane))
     }
-
-    /// The irradiance in W m⁻² at a receiver from an emitter of this radiosity:
-    /// B F, and for a linear radiosity the exact B(ā, b̄) F of
-    /// [`luminance`](crate::luminance), with (ā, b̄) by the rule there.
-    ///
-    /// Cost: [`Scene::form_factor`], and for a linear radiosity the rule; the rule
-    /// alone where a parallelogram is far. Never panics.
-    #[inline]
-    pub fn received<A: Arithmetic<f32>, L: Luminance>(
-        &self,
-        receiver: &Receiver<f32>,
-        index: usize,
-        radiosity: L,
-    ) -> L::Colour {
-        let Some(emitter) = self.emitters.get(index) else {
-            return L::Colour::DARK;
-        };
-        if L::COEFFICIENTS == 1 {
-            let factor = self.form_factor::<A>(receiver, emitter);
-            return radiosity.received(factor, || [0.0; 2]);
-        }
-        let Some((surface, plane)) = self.plane_facing(receiver, emitter) else {
-            return L::Colour::DARK;
-        };
-        if plane.height(receiver.position()) <= 0.0 {
-            return L::Colour::DARK;
-        }
-        let view = self.view(receiver, &plane, surface, index);
-        let moments = self.moments_of(&view, emitter);
-        let factor = if view.is_far() && self.is_parallelogram(emitter) {
-            moments.factor
-        } else {
-            form_factor::of_loops::<A, f32>(receiver, &plane, self.loops_of(emitter))
-        };
-        radiosity.received(factor, || moments.place([0.0; 2]))
-    }
-
-    fn view(
-        &self,
-        receiver: &Receiver<f32>,
-        plane: &Plane<f32>,
-        surface: &Surface,
-        emitter: usize,
-    ) -> View {
-        let (center, scale) = match self.shapes.get(emitter) {
-            Some(shape) => (shape.center, shape.scale),
-            None => ([0.0; 2], 0.0),
-        };
-        let axes = [Vector::from(surface.axis_u), Vector::from(surface.axis_v)];
-        View::new(receiver, plane, surface.place(center), axes, scale)
-    }
-
-    /// The corners of an emitter's loops, in its own coordinates.
-    fn corners_of(&self, emitter: &Emitter) -> impl Iterator<Item = &'t [[f32; 2]]> {
-        let corners = self.corners;
-        slice(self.loops, emitter.first_loop, emitter.loops)
-            .iter()
-            .map(move |outline| slice(corners, outline.first_vertex, outline.vertices))
-    }
-
-    fn moments_of(&self, view: &View, emitter: &Emitter) -> Moments {
-        let mut sum = Moments::default();
-        for corners in self.corners_of(emitter) {
-            let part = view.moments(corners);
-            sum.factor += part.factor;
-            for (sum, part) in sum.first.iter_mut().zip(part.first) {
-                *sum += part;
-            }
-        }
-        sum
-    }
-
-    fn is_parallelogram(&self, emitter: &Emitter) -> bool {
-        self.corners_of(emitter).all(luminance::is_parallelogram)
-    }
 }
 
 /// One value of a section with as many for each channel.
@@ -388,6 +341,11 @@ pub const fn required_bytes(counts: &Counts) -> Option<u32> {
         (counts.loops as u64, size_of::<Loop>() as u64),
         (counts.vertices as u64, size_of::<[f32; 3]>() as u64),
         (counts.corners as u64, size_of::<[f32; 2]>() as u64),
+        (counts.occluders as u64, size_of::<Occluder>() as u64),
+        (counts.faces as u64, size_of::<Face>() as u64),
+        (counts.edges as u64, size_of::<Edge>() as u64),
+        (counts.places as u64, size_of::<[f32; 3]>() as u64),
+        (counts.blockers as u64, size_of::<Blocker>() as u64),
         (counts.samples as u64, size_of::<[f32; 2]>() as u64),
         (counts.weights as u64, size_of::<f32>() as u64),
         (members, size_of::<u16>() as u64),

@@ -17,9 +17,28 @@ pub struct Header {
     pub checksum: u32,
     /// How many there are of everything.
     pub counts: Counts,
+    /// What a workspace must hold so that visibility is exact at every sample.
+    pub sight: Sight,
     /// Distance in metres within which a place lies on a plane: 1e-6 of the
     /// largest absolute coordinate of the scene.
     pub tolerance: f32,
+}
+
+/// The capacities of [`Exact`](crate::visibility::Exact) that a scene was
+/// planned for; all 0 where nothing occludes.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes, IntoBytes, Immutable, KnownLayout,
+)]
+#[repr(C)]
+pub struct Sight {
+    /// Corners of a piece.
+    pub vertices: u32,
+    /// Pieces that wait.
+    pub pieces: u32,
+    /// Lines kept.
+    pub lines: u32,
+    /// Blockers kept.
+    pub blockers: u32,
 }
 
 /// How many records each section has, in the order of the sections.
@@ -47,6 +66,16 @@ pub struct Counts {
     pub vertices: u32,
     /// Corners: one a vertex, or none.
     pub corners: u32,
+    /// Occluders.
+    pub occluders: u32,
+    /// Faces of occluders.
+    pub faces: u32,
+    /// Edges of occluders.
+    pub edges: u32,
+    /// Vertices of occluders.
+    pub places: u32,
+    /// Entries of the emitters' lists of what can hide them.
+    pub blockers: u32,
     /// Samples.
     pub samples: u32,
     /// Members of emitters.
@@ -120,6 +149,10 @@ pub struct Shape {
     pub center: [f32; 2],
     /// Distance in metres from O to the farthest corner.
     pub scale: f32,
+    /// Where the list of what can hide the emitter begins.
+    pub first_blocker: u32,
+    /// How many entries it has.
+    pub blockers: u32,
 }
 
 /// A closed loop of vertices.

@@ -13,7 +13,7 @@ use super::line::Line;
 use super::polygon::{Full, Polygon, Side};
 use super::records::{Blocker, Occluders, Target};
 use super::view::{Shadow, View, number};
-use super::{Bracket, Visibility};
+use super::{Bracket, Capacities, Looked, Visibility};
 use crate::form_factor::{SeenPlane, of_clipped};
 use crate::geometry::{Receiver, Vector};
 use crate::number::{Floating, Root};
@@ -99,8 +99,8 @@ impl<'a, N: Floating> Piece<'a, N> {
 
     /// Its corners (a, b) in the target's frame, counter-clockwise seen from
     /// the emitting side.
-    pub fn corners(&self) -> impl Iterator<Item = [N; 2]> + use<'a, N> {
-        self.corners.iter().copied()
+    pub fn corners(&self) -> &'a [[N; 2]] {
+        self.corners
     }
 
     /// The corner at which the edge along the receiver's horizon begins.
@@ -530,4 +530,35 @@ impl<
             },
         }
     }
+
+    fn look(
+        &mut self,
+        receiver: &Receiver<N>,
+        target: &Target<'_>,
+        occluders: &Occluders<'_>,
+        blockers: impl Iterator<Item = Blocker>,
+        parts: &mut impl Sum<N>,
+    ) -> Looked<N> {
+        match self.gather(receiver, target, occluders, blockers) {
+            Gathered::Dark => Looked::Dark,
+            Gathered::Whole => Looked::Whole,
+            Gathered::Partly => {
+                self.add_to(parts);
+                if self.left_out > 0 {
+                    Looked::AtMost
+                } else {
+                    Looked::Parts
+                }
+            }
+            Gathered::Overflow => Looked::Unknown,
+        }
+    }
+
+    const CAPACITIES: Capacities = Capacities {
+        occluders: true,
+        vertices: VERTICES as u32,
+        pieces: PIECES as u32,
+        lines: LINES as u32,
+        blockers: BLOCKERS as u32,
+    };
 }

@@ -43,6 +43,7 @@ pub use exact::{Exact, Gathered, Piece, Seen, Sum};
 pub use rays::VertexRays;
 
 use crate::geometry::Receiver;
+use crate::luminance::Colour;
 use crate::number::{Floating, Number, Root};
 use records::{Blocker, Occluders, Target};
 
@@ -64,6 +65,71 @@ pub trait Visibility<N: Floating = f32> {
         blockers: impl Iterator<Item = Blocker>,
         unoccluded: impl FnOnce() -> N,
     ) -> Bracket<N>;
+
+    /// What of `target` is seen from `receiver`; where it is some parts only,
+    /// `parts` is told which.
+    ///
+    /// [`form_factor`](Self::form_factor) for light that varies over the target:
+    /// the pieces themselves, not only their sum. Never panics.
+    fn look(
+        &mut self,
+        receiver: &Receiver<N>,
+        target: &Target<'_>,
+        occluders: &Occluders<'_>,
+        blockers: impl Iterator<Item = Blocker>,
+        parts: &mut impl Sum<N>,
+    ) -> Looked<N>;
+
+    /// Sets every value of a slice to what `value` makes of it, given its index
+    /// and a workspace.
+    ///
+    /// One after the other; a host may spread them over its cores, since no
+    /// value depends on another one.
+    fn each<C: Send>(&mut self, values: &mut [C], value: impl Fn(&mut Self, usize, &mut C) + Sync)
+    where
+        Self: Sized,
+    {
+        for (index, place) in values.iter_mut().enumerate() {
+            value(self, index, place);
+        }
+    }
+
+    /// What the type holds; a scene that needs more is refused on load.
+    const CAPACITIES: Capacities;
+}
+
+/// What a workspace holds, for one receiver and one emitter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Capacities {
+    /// Whether occluders count at all.
+    pub occluders: bool,
+    /// Corners of a piece.
+    pub vertices: u32,
+    /// Pieces that wait.
+    pub pieces: u32,
+    /// Lines kept.
+    pub lines: u32,
+    /// Blockers kept.
+    pub blockers: u32,
+}
+
+/// What a look found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Looked<N> {
+    /// Nothing is seen.
+    Dark,
+    /// All of the target is seen.
+    Whole,
+    /// This fraction of its form factor is taken as seen.
+    Fraction(N),
+    /// Those parts are seen that were told.
+    Parts,
+    /// At most those parts are seen that were told: blockers had to be left out.
+    AtMost,
+    /// Nothing is known: anything between nothing and all of it.
+    Unknown,
 }
 
 /// An answer between two bounds, equal where it is known.
@@ -76,7 +142,7 @@ pub struct Bracket<N> {
     pub high: N,
 }
 
-impl<N: Number> Bracket<N> {
+impl<N: Copy + PartialEq> Bracket<N> {
     /// A known answer.
     pub fn exactly(value: N) -> Self {
         Self {
@@ -89,7 +155,30 @@ impl<N: Number> Bracket<N> {
     pub fn is_exact(&self) -> bool {
         self.low == self.high
     }
+}
 
+impl<C: Colour> Bracket<C> {
+    /// The sums of both bounds.
+    #[inline]
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            low: self.low.plus(other.low),
+            high: self.high.plus(other.high),
+        }
+    }
+
+    /// The value itself where it is known, else the middle of the two.
+    #[inline]
+    pub fn middle(self) -> C {
+        if self.low == self.high {
+            self.low
+        } else {
+            self.low.zip(self.high, |low, high| 0.5 * low + 0.5 * high)
+        }
+    }
+}
+
+impl<N: Number> Bracket<N> {
     /// Both bounds lowered to `ceiling`, where they are above it.
     pub fn at_most(self, ceiling: N) -> Self {
         let lower = |x: N| if x < ceiling { x } else { ceiling };
@@ -117,4 +206,24 @@ impl<N: Floating> Visibility<N> for Unoccluded {
     ) -> Bracket<N> {
         Bracket::exactly(unoccluded())
     }
+
+    #[inline(always)]
+    fn look(
+        &mut self,
+        _: &Receiver<N>,
+        _: &Target<'_>,
+        _: &Occluders<'_>,
+        _: impl Iterator<Item = Blocker>,
+        _: &mut impl Sum<N>,
+    ) -> Looked<N> {
+        Looked::Whole
+    }
+
+    const CAPACITIES: Capacities = Capacities {
+        occluders: false,
+        vertices: 0,
+        pieces: 0,
+        lines: 0,
+        blockers: 0,
+    };
 }

@@ -2,7 +2,7 @@
 
 use super::records::{Blocker, Occluders, Target};
 use super::view::{Shadow, View, number};
-use super::{Bracket, Visibility};
+use super::{Bracket, Capacities, Looked, Sum, Visibility};
 use crate::geometry::Receiver;
 use crate::number::{Floating, Root};
 
@@ -17,17 +17,16 @@ use crate::number::{Floating, Root};
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct VertexRays;
 
-impl<N: Floating> Visibility<N> for VertexRays {
-    fn form_factor<R: Root<N> + Copy>(
-        &mut self,
+impl VertexRays {
+    /// The fraction of the target's vertices that rays reach.
+    fn fraction<N: Floating>(
         receiver: &Receiver<N>,
         target: &Target<'_>,
         occluders: &Occluders<'_>,
         blockers: impl Iterator<Item = Blocker>,
-        unoccluded: impl FnOnce() -> N,
-    ) -> Bracket<N> {
+    ) -> N {
         let Some(view) = View::<N>::new(receiver, target, occluders.flat) else {
-            return Bracket::exactly(N::ZERO);
+            return N::ZERO;
         };
         // One bit a vertex: whether it is hidden. What hides it is in front of
         // the emitter's plane, so that the lines alone decide.
@@ -52,10 +51,53 @@ impl<N: Floating> Visibility<N> for VertexRays {
                 hidden |= inside;
             }
             if hidden == all {
-                return Bracket::exactly(N::ZERO);
+                return N::ZERO;
             }
         }
         let count = |bits: u32| N::of(f64::from(bits.count_ones()));
-        Bracket::exactly(unoccluded() * (count(all & !hidden) / count(all)))
+        count(all & !hidden) / count(all)
     }
+}
+
+impl<N: Floating> Visibility<N> for VertexRays {
+    fn form_factor<R: Root<N> + Copy>(
+        &mut self,
+        receiver: &Receiver<N>,
+        target: &Target<'_>,
+        occluders: &Occluders<'_>,
+        blockers: impl Iterator<Item = Blocker>,
+        unoccluded: impl FnOnce() -> N,
+    ) -> Bracket<N> {
+        let fraction = Self::fraction(receiver, target, occluders, blockers);
+        let seen = if fraction > N::ZERO {
+            unoccluded() * fraction
+        } else {
+            N::ZERO
+        };
+        Bracket::exactly(seen)
+    }
+
+    fn look(
+        &mut self,
+        receiver: &Receiver<N>,
+        target: &Target<'_>,
+        occluders: &Occluders<'_>,
+        blockers: impl Iterator<Item = Blocker>,
+        _: &mut impl Sum<N>,
+    ) -> Looked<N> {
+        let fraction = Self::fraction(receiver, target, occluders, blockers);
+        if fraction > N::ZERO {
+            Looked::Fraction(fraction)
+        } else {
+            Looked::Dark
+        }
+    }
+
+    const CAPACITIES: Capacities = Capacities {
+        occluders: true,
+        vertices: u32::MAX,
+        pieces: u32::MAX,
+        lines: u32::MAX,
+        blockers: u32::MAX,
+    };
 }

@@ -1,14 +1,12 @@
 //! What light can reach of a surface, cut into cells.
 
+use super::shapes::{Ring, bounds, convex_pieces, edges, first_moment, hull, signed_area};
 use crate::scene::frame::Frame;
 use crate::scene::{Scene, Surface};
-use earcut::Earcut;
 use glam::{DVec2, DVec3};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay;
-
-type Ring = Vec<[f64; 2]>;
 
 /// A surface without what lies on it: the bases of bodies that stand on it,
 /// polygons back to back with it, luminaires set into it.
@@ -82,7 +80,7 @@ impl Exposed {
         let parts: Vec<Vec<Ring>> =
             self.shapes
                 .overlay(&rectangle, OverlayRule::Intersect, FillRule::NonZero);
-        let mut pieces: Vec<Ring> = parts.iter().flat_map(|part| convex(part)).collect();
+        let mut pieces = convex_pieces(&parts);
         pieces.retain(|piece| signed_area(piece) > SLIVER * whole);
         let area: f64 = pieces.iter().map(|piece| signed_area(piece)).sum();
         if pieces.is_empty() {
@@ -134,10 +132,10 @@ fn covers(scene: &Scene, index: usize, frame: &Frame) -> Vec<Ring> {
         .map(|(_, surface)| surface.vertices.iter().map(local).collect());
     let bases = scene.bodies.iter().filter_map(|body| {
         let own = body.surfaces.contains(&index);
-        let touching: Vec<DVec2> = (body.surfaces.iter())
+        let touching: Vec<[f64; 2]> = (body.surfaces.iter())
             .flat_map(|&face| &scene.surfaces[face].vertices)
             .filter(|vertex| on_plane(vertex))
-            .map(|vertex| DVec2::from(local(vertex)))
+            .map(local)
             .collect();
         (!own && touching.len() >= 3).then(|| hull(touching))
     });
@@ -151,94 +149,4 @@ fn covers(scene: &Scene, index: usize, frame: &Frame) -> Vec<Ring> {
         })
         .filter(|ring| ring.len() >= 3)
         .collect()
-}
-
-/// The convex hull, counter-clockwise (Andrew 1979).
-fn hull(mut points: Vec<DVec2>) -> Ring {
-    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-    points.dedup();
-    let half = |points: &mut dyn Iterator<Item = DVec2>| {
-        let mut chain: Vec<DVec2> = Vec::new();
-        for point in points {
-            while let [.., before, last] = chain[..] {
-                if (last - before).perp_dot(point - last) > 0.0 {
-                    break;
-                }
-                chain.pop();
-            }
-            chain.push(point);
-        }
-        chain.pop();
-        chain
-    };
-    let lower = half(&mut points.iter().copied());
-    let upper = half(&mut points.iter().rev().copied());
-    lower.into_iter().chain(upper).map(Into::into).collect()
-}
-
-/// Convex pieces of a polygon with holes: itself where it is convex, else
-/// triangles.
-fn convex(rings: &[Ring]) -> Vec<Ring> {
-    if let [ring] = rings
-        && is_convex(ring)
-    {
-        return vec![ring.clone()];
-    }
-    let mut starts = Vec::new();
-    let mut corners: Vec<[f64; 2]> = Vec::new();
-    for (number, ring) in rings.iter().enumerate() {
-        if number > 0 {
-            starts.push(corners.len());
-        }
-        corners.extend(ring);
-    }
-    let mut indices: Vec<usize> = Vec::new();
-    Earcut::new().earcut(corners.iter().copied(), &starts, &mut indices);
-    indices
-        .chunks_exact(3)
-        .map(|triangle| {
-            let mut ring: Ring = triangle.iter().map(|&index| corners[index]).collect();
-            if signed_area(&ring) < 0.0 {
-                ring.reverse();
-            }
-            ring
-        })
-        .collect()
-}
-
-fn edges(ring: &[[f64; 2]]) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
-    let next = ring.iter().cycle().skip(1);
-    ring.iter()
-        .zip(next)
-        .map(|(&from, &to)| (from.into(), to.into()))
-}
-
-fn is_convex(ring: &[[f64; 2]]) -> bool {
-    let sides: Vec<DVec2> = edges(ring).map(|(from, to)| to - from).collect();
-    let next = sides.iter().cycle().skip(1);
-    sides
-        .iter()
-        .zip(next)
-        .all(|(side, next)| side.perp_dot(*next) >= -1e-9 * side.length() * next.length())
-}
-
-fn signed_area(ring: &[[f64; 2]]) -> f64 {
-    edges(ring).map(|(from, to)| 0.5 * from.perp_dot(to)).sum()
-}
-
-/// ∫ x dA.
-fn first_moment(ring: &[[f64; 2]]) -> DVec2 {
-    let base = DVec2::from(ring[0]);
-    let triangles = edges(ring).map(|(from, to)| {
-        let area = 0.5 * (from - base).perp_dot(to - base);
-        (base + from + to) / 3.0 * area
-    });
-    triangles.sum()
-}
-
-fn bounds(pieces: &[Ring]) -> [[f64; 2]; 2] {
-    let corners = || pieces.iter().flatten().map(|&corner| DVec2::from(corner));
-    let low = corners().fold(DVec2::INFINITY, DVec2::min);
-    let high = corners().fold(DVec2::NEG_INFINITY, DVec2::max);
-    [low.into(), high.into()]
 }

@@ -9,6 +9,7 @@
 
 mod exposed;
 mod places;
+pub(crate) mod shapes;
 
 use super::{Plan, Sample, SurfacePlan, Tag, Unplannable, spacing};
 use crate::scene::frame::Frame;
@@ -32,7 +33,7 @@ pub struct Patch {
 }
 
 /// Patches in all where the scene sets no budget.
-const DEFAULT_PATCHES: usize = 120;
+const DEFAULT_PATCHES: usize = 400;
 
 /// Places along each side of a cell, for direct and for reflected light, best
 /// first; the budget decides.

@@ -3,14 +3,22 @@
 //! The format is specified with [`isolux::scene`]. Baking the same plan twice
 //! gives the same bytes.
 
+mod survey;
+
+use crate::occlusion::Occlusion;
 use crate::plan::patches::Patch;
+use crate::plan::patches::shapes::{convex_pieces, first_moment, hull, signed_area};
 use crate::plan::{Band, Plan, SurfacePlan};
 use crate::scene::Scene;
 use crate::scene::requires::requirements;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::float::single::SingleFloatOverlay;
 use isolux::form_factor::Outline;
-use isolux::scene::records::{Counts, Emitter, Header, Loop, Shape, Surface, checksum};
+use isolux::scene::records::{Counts, Emitter, Header, Loop, Shape, Sight, Surface, checksum};
 use isolux::scene::{MAGIC, VERSION, required_bytes};
+use isolux::visibility::records::{Blocker, Occluders};
 use std::f64::consts::PI;
 use std::mem::offset_of;
 use zerocopy::IntoBytes;
@@ -25,6 +33,19 @@ pub struct Tables {
 }
 
 impl Tables {
+    /// Writes the capacities that visibility was planned for.
+    fn set_sight(&mut self, sight: Sight) {
+        let field = offset_of!(Header, sight);
+        self.words.as_mut_bytes()[field..][..size_of::<Sight>()].copy_from_slice(sight.as_bytes());
+        self.seal();
+    }
+
+    fn seal(&mut self) {
+        let field = offset_of!(Header, checksum);
+        let sum = checksum(&self.bytes()[field + 4..]);
+        self.words[field / 4] = sum;
+    }
+
     /// The tables, aligned to four bytes.
     pub fn bytes(&self) -> &[u8] {
         self.words.as_bytes()
@@ -54,18 +75,18 @@ impl std::error::Error for TooLarge {}
 /// largest coordinate.
 const TOLERANCE: f64 = 1e-6;
 
-/// Bakes a planned scene.
+/// Bakes a planned scene, with its occluders where they count.
 ///
 /// # Errors
 /// [`TooLarge`] where a count does not fit the tables.
-pub fn bake(scene: &Scene, plan: &Plan) -> Result<Tables, TooLarge> {
-    let mut content = Content::new(scene, plan);
+pub fn bake(scene: &Scene, plan: &Plan, occlusion: Option<Occlusion>) -> Result<Tables, TooLarge> {
+    let mut content = Content::new(scene, plan, occlusion);
     for (surface, planned) in scene.surfaces.iter().zip(&plan.surfaces) {
         content.surface(surface, planned);
     }
     for (index, surface) in scene.surfaces.iter().enumerate() {
         if surface.emits() {
-            content.luminaire(index, surface, &plan.surfaces[index]);
+            content.luminaire(index, surface, &plan.surfaces[index])?;
         }
     }
     let mut first_sample = 0;
@@ -78,7 +99,12 @@ pub fn bake(scene: &Scene, plan: &Plan) -> Result<Tables, TooLarge> {
         }
         first_sample += planned.samples.len();
     }
-    content.into_tables(scene)
+    let mut tables = content.into_tables(scene)?;
+    if tables.counts.occluders > 0 {
+        let sight = survey::sight(&tables, &scene.points);
+        tables.set_sight(sight);
+    }
+    Ok(tables)
 }
 
 fn single(v: DVec3) -> [f32; 3] {
@@ -88,6 +114,8 @@ fn single(v: DVec3) -> [f32; 3] {
 struct Content {
     channels: usize,
     coefficients: usize,
+    occlusion: Option<Occlusion>,
+    blockers: Vec<Blocker>,
     surfaces: Vec<Surface>,
     reflectances: Vec<f32>,
     emitters: Vec<Emitter>,
@@ -102,10 +130,12 @@ struct Content {
 }
 
 impl Content {
-    fn new(scene: &Scene, plan: &Plan) -> Self {
+    fn new(scene: &Scene, plan: &Plan, occlusion: Option<Occlusion>) -> Self {
         Self {
             channels: requirements(scene).channels,
             coefficients: if plan.is_linear() { 3 } else { 1 },
+            occlusion,
+            blockers: Vec::new(),
             surfaces: Vec::new(),
             reflectances: Vec::new(),
             emitters: Vec::new(),
@@ -141,33 +171,24 @@ impl Content {
             .extend(places.map(|sample| sample.place.map(|x| x as f32)));
     }
 
-    fn luminaire(&mut self, index: usize, surface: &crate::scene::Surface, planned: &SurfacePlan) {
+    fn luminaire(
+        &mut self,
+        index: usize,
+        surface: &crate::scene::Surface,
+        planned: &SurfacePlan,
+    ) -> Result<(), TooLarge> {
         let emitter = self.emitter(index, surface.area);
         let exitance = surface.radiance.map(|radiance| (PI * radiance) as f32);
         self.exitances.extend(&exitance[..self.channels]);
-        let outline: Vec<[f64; 2]> = planned
-            .frame
-            .vertices
-            .iter()
-            .map(|&(u, v)| [u, v])
-            .collect();
-        let center = surface.center();
-        let (u, v) = planned.frame.to_local(center);
-        let farthest = surface
-            .vertices
-            .iter()
-            .map(|vertex| vertex.distance(center));
-        let shape = ([u, v], farthest.fold(0.0, f64::max));
-        self.outline(
-            surface
-                .vertices
-                .iter()
-                .map(|&vertex| single(vertex))
-                .collect(),
-            &outline,
-            shape,
-        );
-        self.finish(emitter, shape);
+        if self.has_shapes() {
+            let vertices = planned.frame.vertices.iter();
+            let outline: Vec<[f64; 2]> = vertices.map(|&(u, v)| [u, v]).collect();
+            return self.pieces(emitter, planned, &convex_pieces(&[vec![outline]]));
+        }
+        let vertices = surface.vertices.iter();
+        self.outline(vertices.map(|&vertex| single(vertex)).collect());
+        self.finish(emitter);
+        Ok(())
     }
 
     fn band(
@@ -178,17 +199,24 @@ impl Content {
         first_sample: usize,
     ) -> Result<(), TooLarge> {
         let emitter = self.emitter(index, band.area.max(0.0));
-        for outline in &band.loops {
-            let places: Vec<[f64; 2]> = outline
-                .iter()
-                .map(|&sample| planned.samples[sample].vertex)
-                .collect();
-            self.outline(in_space(planned, &places), &places, NO_SHAPE);
-        }
         for &member in &band.members {
             self.member(first_sample + member)?;
         }
-        self.finish(emitter, NO_SHAPE);
+        let vertex = |&sample: &usize| planned.samples[sample].vertex;
+        let loops = band.loops.iter();
+        let loops: Vec<Vec<[f64; 2]>> = loops
+            .map(|outline| outline.iter().map(vertex).collect())
+            .collect();
+        if self.has_shapes() {
+            // What is hidden is cut from convex pieces.
+            let none: [Vec<[f64; 2]>; 0] = [];
+            let parts = loops.overlay(&none, OverlayRule::Subject, FillRule::EvenOdd);
+            return self.pieces(emitter, planned, &convex_pieces(&parts));
+        }
+        for places in &loops {
+            self.outline(in_space(planned, places));
+        }
+        self.finish(emitter);
         Ok(())
     }
 
@@ -200,15 +228,55 @@ impl Content {
         first_sample: usize,
     ) -> Result<(), TooLarge> {
         let emitter = self.emitter(index, patch.area);
-        let shape = (patch.center, patch.scale);
-        for piece in &patch.pieces {
-            self.outline(in_space(planned, piece), piece, shape);
-        }
         for (member, weights) in &patch.members {
             self.member(first_sample + member)?;
             self.weights.extend(weights.map(|weight| weight as f32));
         }
-        self.finish(emitter, shape);
+        self.pieces(emitter, planned, &patch.pieces)
+    }
+
+    /// Whether emitters have coordinates of their own.
+    fn has_shapes(&self) -> bool {
+        self.coefficients > 1 || self.occlusion.is_some()
+    }
+
+    /// Ends an emitter of convex pieces: its own coordinates, and what can hide
+    /// it.
+    fn pieces(
+        &mut self,
+        emitter: Emitter,
+        planned: &SurfacePlan,
+        pieces: &[Vec<[f64; 2]>],
+    ) -> Result<(), TooLarge> {
+        let (center, scale) = own_frame(pieces);
+        for piece in pieces {
+            self.outline(in_space(planned, piece));
+            self.corners.extend(piece.iter().map(|&[u, v]| {
+                [(u - center[0]) / scale, (v - center[1]) / scale].map(|x| x as f32)
+            }));
+        }
+        let first_blocker = self.blockers.len() as u32;
+        if let Some(occlusion) = &mut self.occlusion {
+            let all: Vec<[f64; 2]> = pieces.iter().flatten().copied().collect();
+            let hull: Vec<DVec3> = hull(all)
+                .iter()
+                .map(|&[u, v]| planned.frame.to_world(u, v))
+                .collect();
+            let parts = occlusion
+                .emitter(&hull, planned.frame.normal)
+                .map_err(|_| TooLarge { what: "occluders" })?;
+            for part in parts {
+                self.blockers.extend(part.blockers());
+            }
+        }
+        self.shapes.push(Shape {
+            center: center.map(|x| x as f32),
+            // Rounded up: no corner is farther.
+            scale: (scale as f32).next_up(),
+            first_blocker,
+            blockers: self.blockers.len() as u32 - first_blocker,
+        });
+        self.finish(emitter);
         Ok(())
     }
 
@@ -224,16 +292,10 @@ impl Content {
         }
     }
 
-    fn finish(&mut self, mut emitter: Emitter, (center, scale): OwnFrame) {
+    fn finish(&mut self, mut emitter: Emitter) {
         emitter.loops = self.loops.len() as u32 - emitter.first_loop;
         emitter.members = self.members.len() as u32 - emitter.first_member;
         self.emitters.push(emitter);
-        if self.coefficients > 1 {
-            self.shapes.push(Shape {
-                center: center.map(|x| x as f32),
-                scale: scale as f32,
-            });
-        }
     }
 
     fn member(&mut self, sample: usize) -> Result<(), TooLarge> {
@@ -242,24 +304,19 @@ impl Content {
         Ok(())
     }
 
-    /// A loop in space, and the same in the surface's frame.
-    fn outline(&mut self, vertices: Vec<[f32; 3]>, places: &[[f64; 2]], own: OwnFrame) {
+    /// A loop in space.
+    fn outline(&mut self, vertices: Vec<[f32; 3]>) {
         self.loops.push(Loop {
             first_vertex: self.vertices.len() as u32,
             vertices: vertices.len() as u32,
             reach_squared: Outline::new(&vertices).reach_squared(),
         });
         self.vertices.extend(vertices);
-        if self.coefficients > 1 {
-            let (center, scale) = own;
-            self.corners.extend(places.iter().map(|&[u, v]| {
-                [(u - center[0]) / scale, (v - center[1]) / scale].map(|x| x as f32)
-            }));
-        }
     }
 
     fn counts(&self) -> Result<Counts, TooLarge> {
         let count = |n: usize, what| u32::try_from(n).map_err(|_| TooLarge { what });
+        let occluders = self.occluders();
         Ok(Counts {
             channels: self.channels as u32,
             coefficients: self.coefficients as u32,
@@ -270,10 +327,20 @@ impl Content {
             loops: count(self.loops.len(), "loops")?,
             vertices: count(self.vertices.len(), "vertices")?,
             corners: count(self.corners.len(), "corners")?,
+            occluders: count(occluders.occluders.len(), "occluders")?,
+            faces: count(occluders.faces.len(), "occluders")?,
+            edges: count(occluders.edges.len(), "occluders")?,
+            places: count(occluders.vertices.len(), "occluders")?,
+            blockers: count(self.blockers.len(), "occluders")?,
             samples: count(self.samples.len(), "samples")?,
             members: count(self.members.len(), "members")?,
             weights: count(self.weights.len(), "weights")?,
         })
+    }
+
+    fn occluders(&self) -> Occluders<'_> {
+        let occlusion = self.occlusion.as_ref();
+        occlusion.map_or_else(Occluders::default, Occlusion::records)
     }
 
     fn into_tables(self, scene: &Scene) -> Result<Tables, TooLarge> {
@@ -284,6 +351,7 @@ impl Content {
             bytes: required_bytes(&counts).ok_or(TooLarge { what: "bytes" })?,
             checksum: 0,
             counts,
+            sight: Sight::default(),
             tolerance: (TOLERANCE * largest_coordinate(scene)) as f32,
         };
         let mut bytes = header.as_bytes().to_vec();
@@ -295,25 +363,35 @@ impl Content {
         bytes.extend_from_slice(self.loops.as_bytes());
         bytes.extend_from_slice(self.vertices.as_bytes());
         bytes.extend_from_slice(self.corners.as_bytes());
+        let occluders = self.occluders();
+        bytes.extend_from_slice(occluders.occluders.as_bytes());
+        bytes.extend_from_slice(occluders.faces.as_bytes());
+        bytes.extend_from_slice(occluders.edges.as_bytes());
+        bytes.extend_from_slice(occluders.vertices.as_bytes());
+        bytes.extend_from_slice(self.blockers.as_bytes());
         bytes.extend_from_slice(self.samples.as_bytes());
         bytes.extend_from_slice(self.weights.as_bytes());
         bytes.extend_from_slice(self.members.as_bytes());
         bytes.resize(header.bytes as usize, 0);
-        let field = offset_of!(Header, checksum);
-        let sum = checksum(&bytes[field + 4..]);
-        bytes[field..field + 4].copy_from_slice(&sum.to_le_bytes());
         let mut words = vec![0_u32; bytes.len() / 4];
         words.as_mut_bytes().copy_from_slice(&bytes);
-        Ok(Tables { words, counts })
+        let mut tables = Tables { words, counts };
+        tables.seal();
+        Ok(tables)
     }
 }
 
 /// Centroid in the surface's frame and unit of length of an emitter's own
-/// coordinates.
-type OwnFrame = ([f64; 2], f64);
-
-/// That of an emitter of constant radiosity, which needs none.
-const NO_SHAPE: OwnFrame = ([0.0; 2], 1.0);
+/// coordinates: no corner is farther than 1.
+fn own_frame(pieces: &[Vec<[f64; 2]>]) -> ([f64; 2], f64) {
+    let (moment, area) = pieces.iter().fold((DVec2::ZERO, 0.0), |sum, piece| {
+        (sum.0 + first_moment(piece), sum.1 + signed_area(piece))
+    });
+    let center = moment / area;
+    let corners = pieces.iter().flatten();
+    let farthest = corners.map(|&corner| DVec2::from(corner).distance(center));
+    (center.into(), farthest.fold(0.0, f64::max))
+}
 
 fn in_space(planned: &SurfacePlan, places: &[[f64; 2]]) -> Vec<[f32; 3]> {
     let place = |&[u, v]: &[f64; 2]| single(planned.frame.to_world(u, v));

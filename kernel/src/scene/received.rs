@@ -1,0 +1,257 @@
+//! What a receiver gets from one emitter.
+
+use super::{Scene, slice};
+use crate::form_factor::{self, Arithmetic, Outline, SeenPlane};
+use crate::geometry::{Plane, Receiver, Vector};
+use crate::luminance::{self, Colour, Luminance, View};
+use crate::number::Root;
+use crate::scene::records::{Emitter, Shape};
+use crate::visibility::records::{Blocker, Target};
+use crate::visibility::{Bracket, Looked, Piece, Sum, Visibility};
+use core::marker::PhantomData;
+
+impl<'t> Scene<'t> {
+    /// The irradiance in W m⁻² at a receiver from an emitter of this radiosity:
+    /// B F of what is seen of it, and for a linear radiosity the B(ā, b̄) F of
+    /// [`luminance`](crate::luminance), with (ā, b̄) by the rule there.
+    ///
+    /// A bracket of two different values where `sight` had to stop early.
+    /// Cost: [`Scene::form_factor`], and for a linear radiosity the rule; the rule
+    /// alone where a parallelogram is far; with occluders what
+    /// [`Visibility`] says. Never panics.
+    #[inline]
+    pub fn received<A: Arithmetic<f32>, L: Luminance, V: Visibility>(
+        &self,
+        receiver: &Receiver<f32>,
+        index: usize,
+        radiosity: L,
+        sight: &mut V,
+    ) -> Bracket<L::Colour> {
+        let dark = Bracket::exactly(L::Colour::DARK);
+        let Some(emitter) = self.emitters.get(index) else {
+            return dark;
+        };
+        let shape = self.shapes.get(index);
+        let occluded = V::CAPACITIES.occluders && shape.is_some_and(|shape| shape.blockers > 0);
+        if L::COEFFICIENTS == 1 && !occluded {
+            let factor = self.form_factor::<A>(receiver, emitter);
+            return Bracket::exactly(radiosity.received(factor, || [0.0; 2]));
+        }
+        let (Some((surface, plane)), Some(shape)) = (self.plane_facing(receiver, emitter), shape)
+        else {
+            return dark;
+        };
+        let height = plane.height(receiver.position());
+        if height <= 0.0 {
+            return dark;
+        }
+        let axes = [&surface.axis_u, &surface.axis_v].map(|&axis| Vector::from(axis) * shape.scale);
+        let origin = surface.place(shape.center);
+        let seen = SeenPlane {
+            origin: origin - receiver.position(),
+            axes,
+            facing: plane.normal,
+            normal: receiver.normal(),
+        };
+        let whole = Whole {
+            receiver,
+            plane: &plane,
+            view: View::new(&seen, shape.scale, height),
+            is_luminaire: self.is_luminaire(index),
+        };
+        let mut total = dark;
+        for (outline, corners) in self.loops_of(emitter).zip(self.corners_of(emitter)) {
+            if !occluded {
+                let (_, value) = whole.received::<A, L>(outline, corners, radiosity);
+                total = total.plus(Bracket::exactly(value));
+                continue;
+            }
+            let target = Target {
+                origin: origin.into(),
+                axes: axes.map(Into::into),
+                normal: plane.normal.into(),
+                radius: shape.scale,
+                corners,
+            };
+            let mut parts = Received::<A::Root, L> {
+                view: &whole.view,
+                radiosity,
+                low: L::Colour::DARK,
+                high: L::Colour::DARK,
+                root: PhantomData,
+            };
+            let blockers = self.blockers_of(shape).iter().copied();
+            let looked = sight.look(receiver, &target, &self.occluders, blockers, &mut parts);
+            total = total.plus(whole.of::<A, L>(looked, parts, outline, corners, radiosity));
+        }
+        total
+    }
+
+    /// What can hide an emitter.
+    fn blockers_of(&self, shape: &Shape) -> &'t [Blocker] {
+        slice(self.blockers, shape.first_blocker, shape.blockers)
+    }
+
+    /// The corners of an emitter's loops, in its own coordinates.
+    fn corners_of(&self, emitter: &Emitter) -> impl Iterator<Item = &'t [[f32; 2]]> + use<'t> {
+        let corners = self.corners;
+        slice(self.loops, emitter.first_loop, emitter.loops)
+            .iter()
+            .map(move |outline| slice(corners, outline.first_vertex, outline.vertices))
+    }
+}
+
+/// An emitter as a receiver in front of its plane sees it.
+struct Whole<'a> {
+    receiver: &'a Receiver<f32>,
+    plane: &'a Plane<f32>,
+    view: View,
+    is_luminaire: bool,
+}
+
+impl Whole<'_> {
+    fn form_factor<A: Arithmetic<f32>>(&self, outline: Outline<'_, f32>) -> f32 {
+        let outlines = core::iter::once(outline);
+        form_factor::of_loops::<A, f32>(self.receiver, self.plane, outlines)
+    }
+
+    /// From all of a loop: its form factor, and what is received.
+    ///
+    /// Of what reflects, and is far, the rule's own form factor will do: the fit
+    /// of its radiosity errs by more.
+    #[inline]
+    fn received<A: Arithmetic<f32>, L: Luminance>(
+        &self,
+        outline: Outline<'_, f32>,
+        corners: &[[f32; 2]],
+        radiosity: L,
+    ) -> (f32, L::Colour) {
+        if L::COEFFICIENTS == 1 || self.is_luminaire {
+            let factor = self.form_factor::<A>(outline);
+            return (factor, radiosity.received(factor, || [0.0; 2]));
+        }
+        let moments = self.view.moments(corners);
+        let factor = if self.view.is_far() && luminance::is_parallelogram(corners) {
+            moments.factor
+        } else {
+            self.form_factor::<A>(outline)
+        };
+        let value = radiosity.received(factor, || moments.place(middle(corners)));
+        (factor, value)
+    }
+
+    /// What is received from what a look found of a loop.
+    fn of<A: Arithmetic<f32>, L: Luminance>(
+        &self,
+        looked: Looked<f32>,
+        parts: Received<'_, A::Root, L>,
+        outline: Outline<'_, f32>,
+        corners: &[[f32; 2]],
+        radiosity: L,
+    ) -> Bracket<L::Colour> {
+        let (low, high) = (parts.low, parts.high);
+        match looked {
+            Looked::Dark => Bracket::exactly(L::Colour::DARK),
+            Looked::Whole => {
+                let (_, value) = self.received::<A, L>(outline, corners, radiosity);
+                Bracket::exactly(value)
+            }
+            Looked::Fraction(fraction) => {
+                let (_, value) = self.received::<A, L>(outline, corners, radiosity);
+                Bracket::exactly(value.times(fraction))
+            }
+            Looked::Parts if self.is_luminaire => {
+                // 0 ≤ F_visible ≤ F exactly: the sum of pieces may exceed the
+                // whole by rounding.
+                let limit = self.form_factor::<A>(outline);
+                let most = radiosity.received(limit, || [0.0; 2]);
+                let least = |x: f32, most: f32| if x < most { x } else { most };
+                Bracket {
+                    low: low.zip(most, least),
+                    high: high.zip(most, least),
+                }
+            }
+            Looked::Parts => Bracket { low, high },
+            Looked::AtMost => Bracket {
+                low: low.map(negative),
+                high,
+            },
+            Looked::Unknown => {
+                let (_, value) = self.received::<A, L>(outline, corners, radiosity);
+                Bracket {
+                    low: value.map(negative),
+                    high: value.map(positive),
+                }
+            }
+        }
+    }
+}
+
+/// What has been received from the parts of one loop.
+struct Received<'a, R, L: Luminance> {
+    view: &'a View,
+    radiosity: L,
+    low: L::Colour,
+    high: L::Colour,
+    root: PhantomData<R>,
+}
+
+impl<R, L: Luminance> Received<'_, R, L> {
+    /// From one piece.
+    fn of(&self, piece: &Piece<'_, f32>, factor: f32) -> L::Colour {
+        self.radiosity.received(factor, || {
+            let corners = piece.corners();
+            self.view.moments(corners).place(middle(corners))
+        })
+    }
+
+    fn add(&mut self, value: L::Colour) {
+        self.low = self.low.plus(value);
+        self.high = self.high.plus(value);
+    }
+}
+
+impl<R: Root<f32> + Copy, L: Luminance> Sum<f32> for Received<'_, R, L> {
+    fn visible(&mut self, piece: &Piece<'_, f32>) {
+        self.add(self.of(piece, piece.form_factor::<R>()));
+    }
+
+    /// Anything between nothing and this piece.
+    fn unresolved(&mut self, piece: &Piece<'_, f32>) {
+        let value = self.of(piece, piece.form_factor::<R>());
+        self.low = self.low.plus(value.map(negative));
+        self.high = self.high.plus(value.map(positive));
+    }
+
+    fn difference(&mut self, piece: &Piece<'_, f32>, hidden: &Piece<'_, f32>) -> bool {
+        let all = piece.form_factor::<R>();
+        let part = hidden.form_factor::<R>();
+        let clear = part < 0.75 * all;
+        if clear {
+            self.add(self.of(piece, all).zip(self.of(hidden, part), |a, b| a - b));
+        }
+        clear
+    }
+}
+
+fn negative(x: f32) -> f32 {
+    if x < 0.0 { x } else { 0.0 }
+}
+
+fn positive(x: f32) -> f32 {
+    if x > 0.0 { x } else { 0.0 }
+}
+
+/// The mean of the corners.
+fn middle(corners: &[[f32; 2]]) -> [f32; 2] {
+    let (mut sum, mut count) = ([0.0; 2], 0.0);
+    for [a, b] in corners {
+        sum = [sum[0] + a, sum[1] + b];
+        count += 1.0;
+    }
+    if count > 0.0 {
+        sum.map(|x| x / count)
+    } else {
+        sum
+    }
+}
