@@ -19,12 +19,15 @@ use super::error::Error;
 const PACKAGE: &str = "isolux-firmware";
 /// The profile it is built with.
 const PROFILE: &str = "firmware";
-/// Variables of the caller's environment that would change the firmware's code.
-const FOREIGN: [&str; 6] = [
+/// Variables of the caller's environment that would change the firmware's code,
+/// by the beginning of their names: flags, linkers and profiles, also those of
+/// one target alone (`CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS`).
+const FOREIGN: [&str; 7] = [
     "RUSTFLAGS",
     "CARGO_ENCODED_RUSTFLAGS",
-    "CARGO_BUILD_RUSTFLAGS",
-    "CARGO_BUILD_TARGET",
+    "CARGO_BUILD_",
+    "CARGO_PROFILE_",
+    "CARGO_TARGET_",
     "RUSTC_WRAPPER",
     "RUSTC_WORKSPACE_WRAPPER",
 ];
@@ -145,8 +148,10 @@ impl Toolchain {
             .map_err(Error::io(format!("creating {}", directory.display())))?;
         let _lock = lock(&directory)?;
         let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-        for name in FOREIGN {
-            cargo.env_remove(name);
+        for (name, _) in env::vars_os() {
+            if is_foreign(&name) {
+                cargo.env_remove(name);
+            }
         }
         let built = cargo
             .current_dir(&self.workspace)
@@ -154,6 +159,11 @@ impl Toolchain {
             .args(["--target", core.target(), "--profile", PROFILE])
             .args(["--features", &features.join(",")])
             .env("CARGO_TARGET_DIR", &directory)
+            // Of all places where flags may stand cargo asks this one first.
+            .env(
+                "CARGO_ENCODED_RUSTFLAGS",
+                format!("-Ctarget-cpu={}", core.cpu()),
+            )
             .env("DEFMT_LOG", "info")
             .envs(environment.iter().copied())
             .stdin(Stdio::null())
@@ -202,6 +212,12 @@ impl Toolchain {
     fn directory(&self) -> PathBuf {
         self.workspace.join("target/device")
     }
+}
+
+/// Whether a variable of the environment is one of [`FOREIGN`].
+fn is_foreign(name: &OsStr) -> bool {
+    let name = name.to_string_lossy();
+    FOREIGN.iter().any(|begin| name.starts_with(begin))
 }
 
 /// The stop rule as the firmware's build script reads it.

@@ -28,14 +28,10 @@ pub fn hashes(
     let program = directory.path().join(PROGRAM);
     let evaluations = evaluations.to_string();
     let environment = [("ISOLUX_EVALUATIONS", OsStr::new(&evaluations))];
-    let mut built: Option<&str> = None;
     let mut found = Vec::new();
     for &core in cores {
-        if built != Some(core.target()) {
-            toolchain.require(core)?;
-            toolchain.link(core, PROGRAM, &[], &environment, &program)?;
-            built = Some(core.target());
-        }
+        toolchain.require(core)?;
+        toolchain.link(core, PROGRAM, &[], &environment, &program)?;
         let output = emulator::run(core, &program, time_limit)?;
         let mut errors = Vec::new();
         let mut hashes = BTreeMap::new();

@@ -1,7 +1,5 @@
 //! The evaluations themselves.
 
-use cortex_m as _; // its critical section
-use defmt_semihosting as _; // the global logger
 use isolux::form_factor::fixed_point::{self, Format, Q24, Q29, Scale};
 use isolux::form_factor::{Arithmetic, Best, Libm, Micromath, Poly3, Poly5, Poly8, form_factor};
 use isolux::geometry::Receiver;
@@ -73,16 +71,4 @@ fn main() -> ! {
     }
     defmt::info!("end hashes {=usize}", RUNGS.len());
     process::exit(0)
-}
-
-#[panic_handler]
-fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-    defmt::error!("{}", defmt::Display2Format(info));
-    process::exit(1)
-}
-
-#[cortex_m_rt::exception]
-unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
-    defmt::error!("hard fault at {=u32:#x}", frame.pc());
-    process::exit(1)
 }
