@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use isolux_host::device::{Core, Error, Toolchain, stack};
+use isolux_host::device::{Build, Core, Error, Toolchain, stack};
 
 /// The prefix of the proof's entry points.
 const ENTRY: &str = "isolux_entry_";
@@ -41,7 +41,11 @@ fn toolchain() -> Option<Toolchain> {
 /// Links the proof into a directory.
 fn link(toolchain: &Toolchain, features: &[&str], directory: &Path) -> Result<PathBuf, Error> {
     let program = directory.join("proof");
-    toolchain.link(Core::CortexM4F, "proof", features, &[], &program)?;
+    let build = Build {
+        features,
+        ..Build::of("proof")
+    };
+    toolchain.link(Core::CortexM4F, &build, &program)?;
     Ok(program)
 }
 
@@ -104,4 +108,30 @@ fn a_reachable_panic_does_not_link() {
         }
         other => panic!("{other:?}"),
     }
+}
+
+/// The gate on the stack refuses what it must, in a program as linked.
+#[test]
+fn a_stack_without_bound_is_refused() {
+    let Some(toolchain) = toolchain() else { return };
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let program = link(&toolchain, &["unbounded"], directory.path()).expect("it links");
+    let disassembler = toolchain.tool("llvm-objdump").expect("beside llvm-nm");
+    for (name, function, reason) in [
+        ("recursion", "recursion", "recursive"),
+        ("pointer", "pointer", "through a register"),
+        ("step", "step", "an amount that is not in the code"),
+        ("below", "recursion", "recursive"),
+    ] {
+        let prefix = format!("isolux_unbounded_{name}");
+        match stack::bounds(&disassembler, &program, &prefix) {
+            Err(Error::Unbounded { function: at, why }) => {
+                assert_eq!(at, format!("isolux_unbounded_{function}"), "{name}");
+                assert!(why.contains(reason), "{name}: {why}");
+            }
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+    // The kernel's own entries beside them are bounded all the same.
+    stack::bounds(&disassembler, &program, ENTRY).expect("every entry is bounded");
 }

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use super::emulator::{self, Core};
 use super::error::Error;
-use super::firmware::Toolchain;
+use super::firmware::{Build, Toolchain};
 use super::log::{self, Line};
 
 /// The program of the firmware's package.
@@ -98,7 +98,7 @@ pub fn costs(cores: &[Core], time_limit: Duration) -> Result<Vec<Vec<Cost>>, Err
     let mut found = Vec::new();
     for &core in cores {
         toolchain.require(core)?;
-        toolchain.link(core, PROGRAM, &[], &[], &program)?;
+        toolchain.link(core, &Build::of(PROGRAM), &program)?;
         let output = emulator::run(core, &program, time_limit)?;
         let (costs, errors) = read(&super::read(&program)?, &output.console)?;
         if output.status != Some(0) {

@@ -158,6 +158,33 @@ fn wait(child: &mut Child, limit: Duration) -> std::io::Result<Option<std::proce
     }
 }
 
+/// The arguments that make every instruction a block of its own, as a trace
+/// of instructions needs it: the emulators since 8.1 have them as a property of
+/// their translator, the older ones as an option, which 10 has no more.
+pub(crate) fn one_by_one() -> Result<&'static [&'static str], Error> {
+    let help = Command::new(PROGRAM)
+        .arg("-h")
+        .stdin(Stdio::null())
+        .output()
+        .map_err(Error::io(format!("running {PROGRAM}")))?;
+    let help = String::from_utf8_lossy(&help.stdout);
+    one_by_one_of(&help).ok_or_else(|| Error::Missing {
+        what: format!("a {PROGRAM} that runs one instruction at a time"),
+        remedy: "install version 7 or later".to_owned(),
+    })
+}
+
+/// As [`one_by_one`], from the emulator's help.
+fn one_by_one_of(help: &str) -> Option<&'static [&'static str]> {
+    if help.contains("one-insn-per-tb") {
+        Some(&["-accel", "tcg,one-insn-per-tb=on"])
+    } else if help.contains("-singlestep") {
+        Some(&["-singlestep"])
+    } else {
+        None
+    }
+}
+
 /// A thread that empties a pipe.
 type Drain<T> = thread::JoinHandle<std::io::Result<T>>;
 
@@ -178,4 +205,23 @@ fn collect<T>(drain: Drain<T>) -> Result<T, Error> {
         .join()
         .unwrap_or_else(|_| Err(std::io::Error::other("the reading thread failed")))
         .map_err(Error::io(format!("reading the output of {PROGRAM}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::one_by_one_of;
+
+    #[test]
+    fn the_emulator_is_asked_in_its_own_words() {
+        let old = "-singlestep     always run in singlestep mode\n";
+        let both = "                one-insn-per-tb=on|off (one guest instruction per TCG translation block)\n\
+                    -singlestep     deprecated synonym for -accel tcg,one-insn-per-tb=on\n";
+        let new = both.lines().next().expect("a line");
+        assert_eq!(one_by_one_of(old), Some(&["-singlestep"][..]));
+        for help in [both, new] {
+            let found = one_by_one_of(help).expect("known");
+            assert_eq!(found, ["-accel", "tcg,one-insn-per-tb=on"], "{help}");
+        }
+        assert_eq!(one_by_one_of(""), None);
+    }
 }

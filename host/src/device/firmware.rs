@@ -41,6 +41,32 @@ pub(crate) struct Variant {
     pub(crate) wrong_bit: bool,
 }
 
+/// A program of the firmware's package, and how it is built.
+#[derive(Clone, Copy, Debug)]
+pub struct Build<'a> {
+    /// The program.
+    pub program: &'a str,
+    /// Features of the package.
+    pub features: &'a [&'a str],
+    /// Without the package's default features: with those named and no other.
+    pub bare: bool,
+    /// What its build script reads.
+    pub environment: &'a [(&'a str, &'a OsStr)],
+}
+
+impl<'a> Build<'a> {
+    /// A program with the package's default features.
+    #[must_use]
+    pub fn of(program: &'a str) -> Self {
+        Self {
+            program,
+            features: &[],
+            bare: false,
+            environment: &[],
+        }
+    }
+}
+
 /// The machine's tools that a firmware is built with, found once.
 #[derive(Clone, Debug)]
 pub struct Toolchain {
@@ -128,21 +154,15 @@ impl Toolchain {
     }
 
     /// Links a program of the firmware's package and copies it to
-    /// `destination`. `environment` is what its build script reads.
+    /// `destination`.
     ///
     /// Runs at the same time wait for each other: they share the target
     /// directory, and the next build overwrites the program.
     ///
     /// # Errors
     /// [`Error::Build`] with what cargo said, [`Error::Io`].
-    pub fn link(
-        &self,
-        core: Core,
-        binary: &str,
-        features: &[&str],
-        environment: &[(&str, &OsStr)],
-        destination: &Path,
-    ) -> Result<(), Error> {
+    pub fn link(&self, core: Core, build: &Build<'_>, destination: &Path) -> Result<(), Error> {
+        let binary = build.program;
         let directory = self.directory();
         fs::create_dir_all(&directory)
             .map_err(Error::io(format!("creating {}", directory.display())))?;
@@ -153,11 +173,15 @@ impl Toolchain {
                 cargo.env_remove(name);
             }
         }
+        cargo.arg("build");
+        if build.bare {
+            cargo.arg("--no-default-features");
+        }
         let built = cargo
             .current_dir(&self.workspace)
-            .args(["build", "--quiet", "--package", PACKAGE, "--bin", binary])
+            .args(["--quiet", "--package", PACKAGE, "--bin", binary])
             .args(["--target", core.target(), "--profile", PROFILE])
-            .args(["--features", &features.join(",")])
+            .args(["--features", &build.features.join(",")])
             .env("CARGO_TARGET_DIR", &directory)
             // Of all places where flags may stand cargo asks this one first.
             .env(
@@ -165,7 +189,7 @@ impl Toolchain {
                 format!("-Ctarget-cpu={}", core.cpu()),
             )
             .env("DEFMT_LOG", "info")
-            .envs(environment.iter().copied())
+            .envs(build.environment.iter().copied())
             .stdin(Stdio::null())
             .output()
             .map_err(Error::io("running cargo"))?;
@@ -204,7 +228,12 @@ impl Toolchain {
         ];
         let mut environment = vec![("ISOLUX_TABLES", tables.as_os_str())];
         environment.extend(words.iter().map(|(name, word)| (*name, OsStr::new(word))));
-        self.link(core, "firmware", &features, &environment, destination)
+        let build = Build {
+            features: &features,
+            environment: &environment,
+            ..Build::of("firmware")
+        };
+        self.link(core, &build, destination)
     }
 
     /// Where the device's programs are built: apart from the host's, so that

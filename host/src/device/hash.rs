@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use super::emulator::{self, Core};
 use super::error::Error;
-use super::firmware::Toolchain;
+use super::firmware::{Build, Toolchain};
 use super::log::{self, Line};
 
 /// The program of the firmware's package.
@@ -28,10 +28,14 @@ pub fn hashes(
     let program = directory.path().join(PROGRAM);
     let evaluations = evaluations.to_string();
     let environment = [("ISOLUX_EVALUATIONS", OsStr::new(&evaluations))];
+    let build = Build {
+        environment: &environment,
+        ..Build::of(PROGRAM)
+    };
     let mut found = Vec::new();
     for &core in cores {
         toolchain.require(core)?;
-        toolchain.link(core, PROGRAM, &[], &environment, &program)?;
+        toolchain.link(core, &build, &program)?;
         let output = emulator::run(core, &program, time_limit)?;
         let mut errors = Vec::new();
         let mut hashes = BTreeMap::new();
