@@ -97,6 +97,19 @@ pub(crate) fn functions(program: &[u8]) -> Result<BTreeMap<u64, u64>, Error> {
         .collect())
 }
 
+/// The functions whose names begin with `prefix`, name and address. Two have
+/// one address where the optimiser found them to be the same.
+pub(crate) fn named(program: &[u8], prefix: &str) -> Result<Vec<(String, u64)>, Error> {
+    let elf = parse(program)?;
+    let text = elf
+        .symbols()
+        .filter(|symbol| symbol.kind() == SymbolKind::Text);
+    Ok(text
+        .filter_map(|symbol| Some((symbol.name().ok()?.to_owned(), symbol.address() & !1)))
+        .filter(|(name, _)| name.starts_with(prefix))
+        .collect())
+}
+
 fn parse(program: &[u8]) -> Result<ElfFile32<'_>, Error> {
     ElfFile32::parse(program).map_err(|error| Error::Program {
         what: error.to_string(),
