@@ -12,7 +12,7 @@ mod hash_cases;
 mod hashed;
 
 use hash_cases::{Cases, Hash};
-use isolux_host::device::{self, Core};
+use isolux_host::device::{self, Core, Hashed};
 use isolux_host::solve::{FormFactorRung, Rung};
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
@@ -36,7 +36,12 @@ fn the_host_has_the_committed_bits() {
 
 #[test]
 fn the_device_has_the_committed_bits() {
-    match device::hashes(&Core::ALL, EVALUATIONS, Duration::from_secs(300)) {
+    match device::hashes(
+        &Core::ALL,
+        Hashed::All,
+        EVALUATIONS,
+        Duration::from_secs(300),
+    ) {
         Ok(found) => {
             for (core, hashes) in Core::ALL.iter().zip(found) {
                 assert_eq!(hashes, committed(), "{}", core.name());

@@ -13,13 +13,23 @@ use super::log::{self, Line};
 /// The program of the firmware's package.
 const PROGRAM: &str = "hashes";
 
-/// Evaluates so many form factors of a fixed sequence on every rung and on each
+/// Which rungs are hashed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hashed {
+    /// Every rung.
+    All,
+    /// Those in integers: without FPU the others take ten times as long.
+    Integers,
+}
+
+/// Evaluates so many form factors of a fixed sequence on these rungs and on each
 /// core; FNV-1a of 64 bits over the answers' bits, by rung.
 ///
 /// # Errors
 /// See [`Error`].
 pub fn hashes(
     cores: &[Core],
+    rungs: Hashed,
     evaluations: u32,
     time_limit: Duration,
 ) -> Result<Vec<BTreeMap<String, u64>>, Error> {
@@ -29,6 +39,10 @@ pub fn hashes(
     let evaluations = evaluations.to_string();
     let environment = [("ISOLUX_EVALUATIONS", OsStr::new(&evaluations))];
     let build = Build {
+        features: match rungs {
+            Hashed::All => &[],
+            Hashed::Integers => &["integers-alone"],
+        },
         environment: &environment,
         ..Build::of(PROGRAM)
     };

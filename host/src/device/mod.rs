@@ -32,7 +32,7 @@ pub use emulator::Core;
 pub use error::Error;
 pub use firmware::{Build, Toolchain};
 pub use flash::{Extent, Flash, flash};
-pub use hash::hashes;
+pub use hash::{Hashed, hashes};
 pub use measured::{Allowed, Difference, Measured, Skipped, Steps, Target};
 pub use trace::{Traced, traces};
 
