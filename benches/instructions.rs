@@ -1,5 +1,5 @@
 //! Instructions of form factors and of whole scenes, exact, on the emulated
-//! Cortex-M4F and M7.
+//! Cortex-M4F and M7, of form factors on the M3 too.
 //!
 //! ```text
 //! cargo bench --bench instructions              prints the table

@@ -1,5 +1,5 @@
 //! No panic can be reached from the kernel, and its stack is bounded: both read
-//! off the linked program, for every entry point and every rung.
+//! off the linked programs of every core, for every entry point and every rung.
 //!
 //! Skipped, loudly, where a tool is missing; with `ISOLUX_REQUIRE_QEMU=1` in
 //! the environment that is a failure instead.
@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use isolux_host::device::{Core, Error, Toolchain, stack};
+use isolux_host::device::{Build, Core, Error, Toolchain, stack};
 
 /// The prefix of the proof's entry points.
 const ENTRY: &str = "isolux_entry_";
@@ -23,7 +23,10 @@ const STACK_F64: u64 = 4096;
 /// The toolchain, where this machine has what the proof takes.
 fn toolchain() -> Option<Toolchain> {
     let found = Toolchain::find().and_then(|toolchain| {
-        toolchain.require(Core::CortexM4F)?;
+        Core::ALL
+            .map(|core| toolchain.require(core))
+            .into_iter()
+            .collect::<Result<(), _>>()?;
         toolchain.tool("llvm-nm")?;
         Ok(toolchain)
     });
@@ -39,9 +42,18 @@ fn toolchain() -> Option<Toolchain> {
 }
 
 /// Links the proof into a directory.
-fn link(toolchain: &Toolchain, features: &[&str], directory: &Path) -> Result<PathBuf, Error> {
+fn link(
+    toolchain: &Toolchain,
+    core: Core,
+    features: &[&str],
+    directory: &Path,
+) -> Result<PathBuf, Error> {
     let program = directory.join("proof");
-    toolchain.link(Core::CortexM4F, "proof", features, &[], &program)?;
+    let build = Build {
+        features,
+        ..Build::of("proof")
+    };
+    toolchain.link(core, &build, &program)?;
     Ok(program)
 }
 
@@ -58,16 +70,24 @@ fn defined() -> Vec<&'static str> {
 #[test]
 fn no_panic_is_reachable_and_the_stack_is_bounded() {
     let Some(toolchain) = toolchain() else { return };
-    let directory = tempfile::tempdir().expect("a temporary directory");
-    let program = link(&toolchain, &[], directory.path()).expect("no panic, so it links");
+    for core in Core::ALL {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        let program = link(&toolchain, core, &[], directory.path());
+        let program = program.unwrap_or_else(|error| panic!("{}: {error}", core.name()));
+        no_panic_is_linked(&toolchain, &program);
+        every_entry_is_bounded(&toolchain, core, &program);
+    }
+}
 
+fn no_panic_is_linked(toolchain: &Toolchain, program: &Path) {
     let names = toolchain.tool("llvm-nm").expect("found above");
     let listed = Command::new(names)
         .args(["--demangle", "--format=just-symbols"])
-        .arg(&program)
+        .arg(program)
         .output()
         .expect("llvm-nm runs");
     let symbols = String::from_utf8_lossy(&listed.stdout);
+    assert!(symbols.contains(ENTRY), "the symbols are listed");
     for suspect in [
         "core::panicking",
         "panic_fmt",
@@ -76,21 +96,29 @@ fn no_panic_is_reachable_and_the_stack_is_bounded() {
     ] {
         assert!(!symbols.contains(suspect), "{suspect} is linked");
     }
+}
 
+fn every_entry_is_bounded(toolchain: &Toolchain, core: Core, program: &Path) {
     let disassembler = toolchain.tool("llvm-objdump").expect("beside llvm-nm");
-    let bounds = stack::bounds(&disassembler, &program, ENTRY).expect("every entry is bounded");
+    let bounds = stack::bounds(&disassembler, program, ENTRY);
+    let bounds = bounds.unwrap_or_else(|error| panic!("{}: {error}", core.name()));
     let defined = defined();
     assert!(defined.len() > 30, "the source is read");
     for name in defined {
         let bound = bounds.functions.get(name);
         let bound = bound.unwrap_or_else(|| panic!("{name} is not in the program"));
-        println!("{:5} bytes  {}", bound.bytes, bound.path.join(" > "));
+        println!(
+            "{} {:5} bytes  {}",
+            core.name(),
+            bound.bytes,
+            bound.path.join(" > ")
+        );
         let most = if name.ends_with("_f64") {
             STACK_F64
         } else {
             STACK
         };
-        assert!(bound.bytes <= most, "{name}: {bound:?}");
+        assert!(bound.bytes <= most, "{} {name}: {bound:?}", core.name());
     }
 }
 
@@ -98,10 +126,42 @@ fn no_panic_is_reachable_and_the_stack_is_bounded() {
 fn a_reachable_panic_does_not_link() {
     let Some(toolchain) = toolchain() else { return };
     let directory = tempfile::tempdir().expect("a temporary directory");
-    match link(&toolchain, &["bad"], directory.path()) {
+    match link(&toolchain, Core::CortexM4F, &["bad"], directory.path()) {
         Err(Error::Build { output, .. }) => {
             assert!(output.contains("isolux_panic_is_reachable"), "{output}");
         }
         other => panic!("{other:?}"),
     }
+}
+
+/// The gate on the stack refuses what it must, in a program as linked.
+#[test]
+fn a_stack_without_bound_is_refused() {
+    let Some(toolchain) = toolchain() else { return };
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let program = link(
+        &toolchain,
+        Core::CortexM4F,
+        &["unbounded"],
+        directory.path(),
+    )
+    .expect("it links");
+    let disassembler = toolchain.tool("llvm-objdump").expect("beside llvm-nm");
+    for (name, function, reason) in [
+        ("recursion", "recursion", "recursive"),
+        ("pointer", "pointer", "through a register"),
+        ("step", "step", "an amount that is not in the code"),
+        ("below", "recursion", "recursive"),
+    ] {
+        let prefix = format!("isolux_unbounded_{name}");
+        match stack::bounds(&disassembler, &program, &prefix) {
+            Err(Error::Unbounded { function: at, why }) => {
+                assert_eq!(at, format!("isolux_unbounded_{function}"), "{name}");
+                assert!(why.contains(reason), "{name}: {why}");
+            }
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+    // The kernel's own entries beside them are bounded all the same.
+    stack::bounds(&disassembler, &program, ENTRY).expect("every entry is bounded");
 }

@@ -15,8 +15,8 @@ pub(crate) const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/inst
 /// The columns of the ledger; the first six name the operation.
 const COLUMNS: &str = "core,operation,rung,root,of,size,calls,mean,largest";
 
-/// The cores that are measured.
-pub(crate) const CORES: [Core; 2] = [Core::CortexM4F, Core::CortexM7];
+/// The cores that whole scenes are measured on.
+const SCENE_CORES: [Core; 2] = [Core::CortexM4F, Core::CortexM7];
 
 /// How long one emulation may take.
 const TIME_LIMIT: Duration = Duration::from_secs(120);
@@ -41,8 +41,8 @@ pub(crate) struct Row {
 /// See [`Error`].
 pub(crate) fn measure() -> Result<(Vec<Row>, Vec<Cost>), Error> {
     let mut rows = Vec::new();
-    let costs = device::costs(&CORES, TIME_LIMIT)?;
-    for (core, costs) in CORES.iter().zip(&costs) {
+    let costs = device::costs(&Core::ALL, TIME_LIMIT)?;
+    for (core, costs) in Core::ALL.iter().zip(&costs) {
         rows.extend(costs.iter().map(|cost| Row {
             name: [
                 core.name().to_owned(),
@@ -78,7 +78,7 @@ fn scene(planned: &Planned) -> Result<Vec<Row>, Error> {
         budget: planned.scene.budget,
     };
     let options = Options {
-        cores: CORES.to_vec(),
+        cores: SCENE_CORES.to_vec(),
         software_root: false,
         ..Options::default()
     };
@@ -108,7 +108,7 @@ fn scene(planned: &Planned) -> Result<Vec<Row>, Error> {
         ("shoot", shoot),
         ("resample", resample),
     ];
-    let first = CORES[0].name();
+    let first = SCENE_CORES[0].name();
     let mut rows: Vec<Row> = steps
         .iter()
         .map(|&(step, instructions)| row(first, step, instructions))

@@ -12,7 +12,7 @@ use clap::Args;
 use std::io::Write;
 
 /// Bakes a scene, builds the firmware around it, runs it on an emulated
-/// Cortex-M4F and M7, and compares every sample and every resampled value with
+/// Cortex-M4F, M7 and M3, and compares every sample and every resampled value with
 /// the host's, bit by bit. Reports instructions, stack, RAM and flash.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {

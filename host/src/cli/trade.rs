@@ -113,7 +113,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         )?;
         writeln!(
             out,
-            "cost of a quad's on a Cortex-M4F, cycles estimated; front: * absolute, o relative"
+            "cost of a quad's on a Cortex-M4F, cycles estimated; on M3: instructions there; front: * absolute, o relative"
         )?;
         writeln!(out, "{}", table::terminal(&rows))?;
         if let Some((name, rungs)) = &scene {

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use super::emulator::{self, Core};
 use super::error::Error;
-use super::firmware::Toolchain;
+use super::firmware::{Build, Toolchain};
 use super::log::{self, Line};
 
 /// The program of the firmware's package.
@@ -87,7 +87,7 @@ impl Cost {
     }
 }
 
-/// Measures the kernel's operations on each core; the program is built once.
+/// Measures the kernel's operations on each core.
 ///
 /// # Errors
 /// See [`Error`]: what is missing, a program that does not build or end.
@@ -95,14 +95,10 @@ pub fn costs(cores: &[Core], time_limit: Duration) -> Result<Vec<Vec<Cost>>, Err
     let toolchain = Toolchain::find()?;
     let directory = tempfile::tempdir().map_err(Error::io("creating a temporary directory"))?;
     let program = directory.path().join(PROGRAM);
-    let mut built: Option<&str> = None;
     let mut found = Vec::new();
     for &core in cores {
-        if built != Some(core.target()) {
-            toolchain.require(core)?;
-            toolchain.link(core, PROGRAM, &[], &[], &program)?;
-            built = Some(core.target());
-        }
+        toolchain.require(core)?;
+        toolchain.link(core, &Build::of(PROGRAM), &program)?;
         let output = emulator::run(core, &program, time_limit)?;
         let (costs, errors) = read(&super::read(&program)?, &output.console)?;
         if output.status != Some(0) {

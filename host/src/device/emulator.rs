@@ -16,30 +16,31 @@ use super::error::Error;
 /// The emulator's program.
 pub(crate) const PROGRAM: &str = "qemu-system-arm";
 
-/// A core the firmware runs on.
+/// A core the firmware runs on; each has a program of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Core {
     /// Cortex-M4 with the single-precision FPU, on Arm's AN386 board: the
     /// device isolux is made for.
     CortexM4F,
-    /// Cortex-M7 on Arm's AN500 board, the same program. Its real counterpart
-    /// issues two instructions at a time; counts, not cycles, are comparable.
+    /// Cortex-M7 with the double-precision FPU, on Arm's AN500 board. Its real
+    /// counterpart issues two instructions at a time; counts, not cycles, are
+    /// comparable.
     CortexM7,
-    /// Cortex-M4 without FPU: every operation of `f32` is a function of the
-    /// compiler's runtime. On the AN386 board.
-    CortexM4Soft,
+    /// Cortex-M3, on Arm's AN385 board: no FPU, so that every operation of
+    /// `f32` is a function of the compiler's runtime.
+    CortexM3,
 }
 
 impl Core {
     /// Every core, the device first.
-    pub const ALL: [Self; 3] = [Self::CortexM4F, Self::CortexM7, Self::CortexM4Soft];
+    pub const ALL: [Self; 3] = [Self::CortexM4F, Self::CortexM7, Self::CortexM3];
 
     /// The name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::CortexM4F => "cortex-m4f",
             Self::CortexM7 => "cortex-m7",
-            Self::CortexM4Soft => "cortex-m4 soft-float",
+            Self::CortexM3 => "cortex-m3",
         }
     }
 
@@ -47,15 +48,27 @@ impl Core {
     pub fn target(self) -> &'static str {
         match self {
             Self::CortexM4F | Self::CortexM7 => "thumbv7em-none-eabihf",
-            Self::CortexM4Soft => "thumbv7em-none-eabi",
+            Self::CortexM3 => "thumbv7m-none-eabi",
+        }
+    }
+
+    /// The processor its program is tuned for (`-C target-cpu`). Tuned for
+    /// none, the compiler joins products and sums to VMLA, which rounds as
+    /// often and takes 3 cycles where VMUL and VADD take 2.
+    pub fn cpu(self) -> &'static str {
+        match self {
+            Self::CortexM4F => "cortex-m4",
+            Self::CortexM7 => "cortex-m7",
+            Self::CortexM3 => "cortex-m3",
         }
     }
 
     /// The emulator's board.
     pub fn machine(self) -> &'static str {
         match self {
-            Self::CortexM4F | Self::CortexM4Soft => "mps2-an386",
+            Self::CortexM4F => "mps2-an386",
             Self::CortexM7 => "mps2-an500",
+            Self::CortexM3 => "mps2-an385",
         }
     }
 }
@@ -145,6 +158,33 @@ fn wait(child: &mut Child, limit: Duration) -> std::io::Result<Option<std::proce
     }
 }
 
+/// The arguments that make every instruction a block of its own, as a trace
+/// of instructions needs it: the emulators since 8.1 have them as a property of
+/// their translator, the older ones as an option, which 10 has no more.
+pub(crate) fn one_by_one() -> Result<&'static [&'static str], Error> {
+    let help = Command::new(PROGRAM)
+        .arg("-h")
+        .stdin(Stdio::null())
+        .output()
+        .map_err(Error::io(format!("running {PROGRAM}")))?;
+    let help = String::from_utf8_lossy(&help.stdout);
+    one_by_one_of(&help).ok_or_else(|| Error::Missing {
+        what: format!("a {PROGRAM} that runs one instruction at a time"),
+        remedy: "install version 7 or later".to_owned(),
+    })
+}
+
+/// As [`one_by_one`], from the emulator's help.
+fn one_by_one_of(help: &str) -> Option<&'static [&'static str]> {
+    if help.contains("one-insn-per-tb") {
+        Some(&["-accel", "tcg,one-insn-per-tb=on"])
+    } else if help.contains("-singlestep") {
+        Some(&["-singlestep"])
+    } else {
+        None
+    }
+}
+
 /// A thread that empties a pipe.
 type Drain<T> = thread::JoinHandle<std::io::Result<T>>;
 
@@ -165,4 +205,23 @@ fn collect<T>(drain: Drain<T>) -> Result<T, Error> {
         .join()
         .unwrap_or_else(|_| Err(std::io::Error::other("the reading thread failed")))
         .map_err(Error::io(format!("reading the output of {PROGRAM}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::one_by_one_of;
+
+    #[test]
+    fn the_emulator_is_asked_in_its_own_words() {
+        let old = "-singlestep     always run in singlestep mode\n";
+        let both = "                one-insn-per-tb=on|off (one guest instruction per TCG translation block)\n\
+                    -singlestep     deprecated synonym for -accel tcg,one-insn-per-tb=on\n";
+        let new = both.lines().next().expect("a line");
+        assert_eq!(one_by_one_of(old), Some(&["-singlestep"][..]));
+        for help in [both, new] {
+            let found = one_by_one_of(help).expect("known");
+            assert_eq!(found, ["-accel", "tcg,one-insn-per-tb=on"], "{help}");
+        }
+        assert_eq!(one_by_one_of(""), None);
+    }
 }

@@ -19,12 +19,15 @@ use super::error::Error;
 const PACKAGE: &str = "isolux-firmware";
 /// The profile it is built with.
 const PROFILE: &str = "firmware";
-/// Variables of the caller's environment that would change the firmware's code.
-const FOREIGN: [&str; 6] = [
+/// Variables of the caller's environment that would change the firmware's code,
+/// by the beginning of their names: flags, linkers and profiles, also those of
+/// one target alone (`CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS`).
+const FOREIGN: [&str; 7] = [
     "RUSTFLAGS",
     "CARGO_ENCODED_RUSTFLAGS",
-    "CARGO_BUILD_RUSTFLAGS",
-    "CARGO_BUILD_TARGET",
+    "CARGO_BUILD_",
+    "CARGO_PROFILE_",
+    "CARGO_TARGET_",
     "RUSTC_WRAPPER",
     "RUSTC_WORKSPACE_WRAPPER",
 ];
@@ -36,6 +39,32 @@ pub(crate) struct Variant {
     pub(crate) software_root: bool,
     /// One resampled bit flipped: the negative control.
     pub(crate) wrong_bit: bool,
+}
+
+/// A program of the firmware's package, and how it is built.
+#[derive(Clone, Copy, Debug)]
+pub struct Build<'a> {
+    /// The program.
+    pub program: &'a str,
+    /// Features of the package.
+    pub features: &'a [&'a str],
+    /// Without the package's default features: with those named and no other.
+    pub bare: bool,
+    /// What its build script reads.
+    pub environment: &'a [(&'a str, &'a OsStr)],
+}
+
+impl<'a> Build<'a> {
+    /// A program with the package's default features.
+    #[must_use]
+    pub fn of(program: &'a str) -> Self {
+        Self {
+            program,
+            features: &[],
+            bare: false,
+            environment: &[],
+        }
+    }
 }
 
 /// The machine's tools that a firmware is built with, found once.
@@ -125,37 +154,42 @@ impl Toolchain {
     }
 
     /// Links a program of the firmware's package and copies it to
-    /// `destination`. `environment` is what its build script reads.
+    /// `destination`.
     ///
     /// Runs at the same time wait for each other: they share the target
     /// directory, and the next build overwrites the program.
     ///
     /// # Errors
     /// [`Error::Build`] with what cargo said, [`Error::Io`].
-    pub fn link(
-        &self,
-        core: Core,
-        binary: &str,
-        features: &[&str],
-        environment: &[(&str, &OsStr)],
-        destination: &Path,
-    ) -> Result<(), Error> {
+    pub fn link(&self, core: Core, build: &Build<'_>, destination: &Path) -> Result<(), Error> {
+        let binary = build.program;
         let directory = self.directory();
         fs::create_dir_all(&directory)
             .map_err(Error::io(format!("creating {}", directory.display())))?;
         let _lock = lock(&directory)?;
         let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-        for name in FOREIGN {
-            cargo.env_remove(name);
+        for (name, _) in env::vars_os() {
+            if is_foreign(&name) {
+                cargo.env_remove(name);
+            }
+        }
+        cargo.arg("build");
+        if build.bare {
+            cargo.arg("--no-default-features");
         }
         let built = cargo
             .current_dir(&self.workspace)
-            .args(["build", "--quiet", "--package", PACKAGE, "--bin", binary])
+            .args(["--quiet", "--package", PACKAGE, "--bin", binary])
             .args(["--target", core.target(), "--profile", PROFILE])
-            .args(["--features", &features.join(",")])
+            .args(["--features", &build.features.join(",")])
             .env("CARGO_TARGET_DIR", &directory)
+            // Of all places where flags may stand cargo asks this one first.
+            .env(
+                "CARGO_ENCODED_RUSTFLAGS",
+                format!("-Ctarget-cpu={}", core.cpu()),
+            )
             .env("DEFMT_LOG", "info")
-            .envs(environment.iter().copied())
+            .envs(build.environment.iter().copied())
             .stdin(Stdio::null())
             .output()
             .map_err(Error::io("running cargo"))?;
@@ -194,7 +228,12 @@ impl Toolchain {
         ];
         let mut environment = vec![("ISOLUX_TABLES", tables.as_os_str())];
         environment.extend(words.iter().map(|(name, word)| (*name, OsStr::new(word))));
-        self.link(core, "firmware", &features, &environment, destination)
+        let build = Build {
+            features: &features,
+            environment: &environment,
+            ..Build::of("firmware")
+        };
+        self.link(core, &build, destination)
     }
 
     /// Where the device's programs are built: apart from the host's, so that
@@ -202,6 +241,12 @@ impl Toolchain {
     fn directory(&self) -> PathBuf {
         self.workspace.join("target/device")
     }
+}
+
+/// Whether a variable of the environment is one of [`FOREIGN`].
+fn is_foreign(name: &OsStr) -> bool {
+    let name = name.to_string_lossy();
+    FOREIGN.iter().any(|begin| name.starts_with(begin))
 }
 
 /// The stop rule as the firmware's build script reads it.

@@ -7,19 +7,29 @@ use std::time::Duration;
 
 use super::emulator::{self, Core};
 use super::error::Error;
-use super::firmware::Toolchain;
+use super::firmware::{Build, Toolchain};
 use super::log::{self, Line};
 
 /// The program of the firmware's package.
 const PROGRAM: &str = "hashes";
 
-/// Evaluates so many form factors of a fixed sequence on every rung and on each
+/// Which rungs are hashed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hashed {
+    /// Every rung.
+    All,
+    /// Those in integers: without FPU the others take ten times as long.
+    Integers,
+}
+
+/// Evaluates so many form factors of a fixed sequence on these rungs and on each
 /// core; FNV-1a of 64 bits over the answers' bits, by rung.
 ///
 /// # Errors
 /// See [`Error`].
 pub fn hashes(
     cores: &[Core],
+    rungs: Hashed,
     evaluations: u32,
     time_limit: Duration,
 ) -> Result<Vec<BTreeMap<String, u64>>, Error> {
@@ -28,14 +38,18 @@ pub fn hashes(
     let program = directory.path().join(PROGRAM);
     let evaluations = evaluations.to_string();
     let environment = [("ISOLUX_EVALUATIONS", OsStr::new(&evaluations))];
-    let mut built: Option<&str> = None;
+    let build = Build {
+        features: match rungs {
+            Hashed::All => &[],
+            Hashed::Integers => &["integers-alone"],
+        },
+        environment: &environment,
+        ..Build::of(PROGRAM)
+    };
     let mut found = Vec::new();
     for &core in cores {
-        if built != Some(core.target()) {
-            toolchain.require(core)?;
-            toolchain.link(core, PROGRAM, &[], &environment, &program)?;
-            built = Some(core.target());
-        }
+        toolchain.require(core)?;
+        toolchain.link(core, &build, &program)?;
         let output = emulator::run(core, &program, time_limit)?;
         let mut errors = Vec::new();
         let mut hashes = BTreeMap::new();

@@ -12,14 +12,14 @@
 //! * **RAM and flash** are the sections of the linked program, logger included;
 //!   the parts that are tables and kernel code are told apart.
 //!
-//! Needs the checkout this program was built from, cargo with the target
-//! `thumbv7em-none-eabihf` and the component `llvm-tools`, and
-//! `qemu-system-arm`; what is missing is an error that says how to install it.
+//! Needs the checkout this program was built from, cargo with the cores' targets
+//! ([`Core::target`]) and the component `llvm-tools`, and `qemu-system-arm`; what is missing is an error that says how to install it.
 
 mod cost;
 mod emulator;
 mod error;
 mod firmware;
+mod flash;
 mod hash;
 mod log;
 mod measured;
@@ -30,8 +30,9 @@ mod trace;
 pub use cost::{Cost, costs};
 pub use emulator::Core;
 pub use error::Error;
-pub use firmware::Toolchain;
-pub use hash::hashes;
+pub use firmware::{Build, Toolchain};
+pub use flash::{Extent, Flash, flash};
+pub use hash::{Hashed, hashes};
 pub use measured::{Allowed, Difference, Measured, Skipped, Steps, Target};
 pub use trace::{Traced, traces};
 
@@ -120,7 +121,6 @@ pub fn run(job: &Job<'_>, options: &Options) -> Result<Measured, Error> {
         software_root: false,
     };
 
-    let mut built: Option<&str> = None;
     let mut reported = None;
     let mut targets = Vec::new();
     let mut skipped = Vec::new();
@@ -132,10 +132,7 @@ pub fn run(job: &Job<'_>, options: &Options) -> Result<Measured, Error> {
             });
             continue;
         }
-        if built != Some(core.target()) {
-            toolchain.link_for(job, core, variant, &program)?;
-            built = Some(core.target());
-        }
+        toolchain.link_for(job, core, variant, &program)?;
         let log = emulate(core, &program, options.time_limit)?;
         targets.push(Target::new(core.name().to_owned(), &log, job.expected));
         if reported.is_none() {

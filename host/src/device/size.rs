@@ -4,7 +4,7 @@ use object::elf::{SHF_ALLOC, SHT_NOBITS};
 use object::read::elf::ElfFile32;
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind, SymbolKind};
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::error::Error;
 
@@ -24,9 +24,7 @@ pub(crate) struct Sizes {
 
 /// Reads the sizes of an ELF program.
 pub(crate) fn of(program: &[u8]) -> Result<Sizes, Error> {
-    let broken = |what: String| Error::Program { what };
-    let elf: ElfFile32<'_> =
-        ElfFile32::parse(program).map_err(|error| broken(error.to_string()))?;
+    let elf = parse(program)?;
     let mut sizes = Sizes::default();
     for section in elf.sections() {
         let SectionFlags::Elf { sh_flags } = section.flags() else {
@@ -51,19 +49,69 @@ pub(crate) fn of(program: &[u8]) -> Result<Sizes, Error> {
         .symbols()
         .find(|symbol| symbol.name() == Ok(TABLES))
         .map(|symbol| symbol.size())
-        .ok_or_else(|| broken(format!("no symbol {TABLES}")))?;
+        .ok_or_else(|| Error::Program {
+            what: format!("no symbol {TABLES}"),
+        })?;
     Ok(sizes)
+}
+
+/// Bytes of a program's code and of its constants.
+pub(crate) fn code_and_constants(program: &[u8]) -> Result<(u64, u64), Error> {
+    let elf = parse(program)?;
+    let bytes = |name| {
+        elf.section_by_name(name)
+            .map_or(0, |section| section.size())
+    };
+    Ok((bytes(".text"), bytes(".rodata")))
+}
+
+/// The mangled names of every function in a program: those of its symbols, and
+/// those that the optimiser has put into others, from the debugger's strings.
+pub(crate) fn function_names(program: &[u8]) -> Result<BTreeSet<String>, Error> {
+    let elf = parse(program)?;
+    let mut names: BTreeSet<String> = elf
+        .symbols()
+        .filter(|symbol| symbol.kind() == SymbolKind::Text)
+        .filter_map(|symbol| symbol.name().ok().map(str::to_owned))
+        .collect();
+    let strings = elf.section_by_name(".debug_str");
+    let strings = strings.ok_or_else(|| Error::Program {
+        what: "it has no .debug_str; the profile asks for it".to_owned(),
+    })?;
+    let strings = strings.data().map_err(|error| Error::Program {
+        what: error.to_string(),
+    })?;
+    let strings = strings.split(|&byte| byte == 0);
+    let mangled = strings.filter(|name| name.starts_with(b"_ZN") || name.starts_with(b"_R"));
+    names.extend(mangled.map(|name| String::from_utf8_lossy(name).into_owned()));
+    Ok(names)
 }
 
 /// Bytes of code of each function that states them, by address.
 pub(crate) fn functions(program: &[u8]) -> Result<BTreeMap<u64, u64>, Error> {
-    let elf: ElfFile32<'_> = ElfFile32::parse(program).map_err(|error| Error::Program {
-        what: error.to_string(),
-    })?;
-    Ok(elf
+    Ok(parse(program)?
         .symbols()
         .filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0)
         // Bit 0 of a function's address only says that it is Thumb code.
         .map(|symbol| (symbol.address() & !1, symbol.size()))
         .collect())
+}
+
+/// The functions whose names begin with `prefix`, name and address. Two have
+/// one address where the optimiser found them to be the same.
+pub(crate) fn named(program: &[u8], prefix: &str) -> Result<Vec<(String, u64)>, Error> {
+    let elf = parse(program)?;
+    let text = elf
+        .symbols()
+        .filter(|symbol| symbol.kind() == SymbolKind::Text);
+    Ok(text
+        .filter_map(|symbol| Some((symbol.name().ok()?.to_owned(), symbol.address() & !1)))
+        .filter(|(name, _)| name.starts_with(prefix))
+        .collect())
+}
+
+fn parse(program: &[u8]) -> Result<ElfFile32<'_>, Error> {
+    ElfFile32::parse(program).map_err(|error| Error::Program {
+        what: error.to_string(),
+    })
 }

@@ -14,7 +14,7 @@ pub mod table;
 
 pub use scene::scene;
 
-use crate::device::{self, Core, Traced};
+use crate::device::{self, Core, Extent, Flash, Traced};
 use crate::solve::FormFactorRung;
 use error::SuiteErrors;
 use serde::Serialize;
@@ -44,8 +44,6 @@ pub struct FormFactors {
     pub host_nanoseconds: f64,
     /// Costs on the device; `None` where there is no emulator.
     pub device: Option<DeviceCost>,
-    /// Bytes of tables the rung needs beside the scene's own.
-    pub table_bytes: u64,
     /// Whether no other rung is both as cheap and as good, by
     /// [`SuiteErrors::max`].
     pub on_front: bool,
@@ -57,7 +55,7 @@ pub struct FormFactors {
 ///
 /// Of a quad, mean over large and small ones, clipped by the horizon or not
 /// (four cases of 36 receivers each); its plane and reach are known, as in a
-/// scene's tables. Root: the FPU's where the rung takes one.
+/// scene's tables. Root: the FPU's where the rung takes one and there is one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DeviceCost {
     /// Exact instructions on the Cortex-M4F.
@@ -72,8 +70,16 @@ pub struct DeviceCost {
     /// Cycles of one edge more: a quarter of octagon less quad, both large and
     /// unclipped. With translation, test of the horizon and loop.
     pub m4f_cycles_per_edge: Option<f64>,
-    /// Bytes of code that the form factor can reach.
-    pub code_bytes: Option<u64>,
+    /// Exact instructions on the Cortex-M3, where every operation of `f32` is
+    /// a call; `None` where its Rust target is missing.
+    pub m3_instructions: Option<f64>,
+    /// Bytes of code in a program for the M4F with this form factor alone.
+    pub code_bytes: u64,
+    /// Bytes of constants there that are not part of the code: the tables of
+    /// the arithmetic, beside the scene's own.
+    pub table_bytes: u64,
+    /// Bytes of code in a program for the M3, its runtime's `f32` included.
+    pub m3_code_bytes: Option<u64>,
 }
 
 impl FormFactors {
@@ -97,17 +103,7 @@ pub fn form_factors(
     mut progress: impl FnMut(&str),
 ) -> Result<(Vec<FormFactors>, Option<device::Error>), device::Error> {
     progress("counting instructions");
-    let (measured, mut missing) = optional(device::costs(
-        &[Core::CortexM4F, Core::CortexM7],
-        TIME_LIMIT,
-    ))?;
-    let mut traced = Vec::new();
-    if measured.is_some() {
-        progress("tracing instructions");
-        let (found, lacks) = optional(device::traces(TIME_LIMIT))?;
-        traced = found.unwrap_or_default();
-        missing = missing.or(lacks);
-    }
+    let (measured, missing) = optional(OnDevice::measure(&mut progress))?;
     progress("judging form factors");
     let suite = error::suite();
     let mut rows: Vec<FormFactors> = FormFactorRung::ALL
@@ -117,14 +113,14 @@ pub fn form_factors(
             error: error::judge(rung, &suite),
             host_nanoseconds: host::nanoseconds(rung),
             device: measured
-                .as_deref()
-                .and_then(|costs| device_cost(rung.name(), costs, &traced)),
-            table_bytes: 0,
+                .as_ref()
+                .and_then(|measured| measured.cost(rung.name())),
             on_front: false,
             on_relative_front: false,
         })
         .collect();
     mark(&mut rows);
+    let missing = missing.or(measured.and_then(|measured| measured.missing));
     Ok((rows, missing))
 }
 
@@ -155,43 +151,95 @@ fn optional<T>(
     }
 }
 
-/// The costs of a rung; `None` where the device's program lacks it.
-fn device_cost(
-    rung: &str,
-    measured: &[Vec<device::Cost>],
-    traced: &[Traced],
-) -> Option<DeviceCost> {
-    let [m4f, m7] = measured else { return None };
-    // The rungs that take a root from outside are measured with several.
-    let roots = ["fpu", "own", "-"];
-    let of = |cost: &device::Cost| cost.operation == "form-factor" && cost.rung == rung;
-    let root = roots
-        .into_iter()
-        .find(|root| m4f.iter().any(|cost| of(cost) && cost.root == *root))?;
-    let this = |cost: &&device::Cost| of(cost) && cost.root == root;
-    let quads = |costs: &[device::Cost]| {
-        let quads = costs.iter().filter(this).filter(|cost| cost.size == QUAD);
-        mean(quads.map(device::Cost::mean))
-    };
-    let dearest = m4f.iter().filter(this).filter(|cost| cost.size == QUAD);
-    let traced: Vec<&Traced> = traced.iter().filter(|traced| this(&&traced.cost)).collect();
-    let cycles = |traced: &&&Traced| traced.cycles as f64 / f64::from(traced.cost.calls.max(1));
-    let whole = |size: usize| {
-        let mut of_whole = traced.iter();
-        let found = of_whole.find(|traced| traced.cost.size == size && traced.cost.case == WHOLE);
-        found.as_ref().map(cycles)
-    };
-    let of_quads = traced.iter().filter(|traced| traced.cost.size == QUAD);
-    Some(DeviceCost {
-        m4f_instructions: quads(m4f)?,
-        m4f_largest: dearest.map(|cost| cost.largest).max()?,
-        m7_instructions: quads(m7)?,
-        m4f_cycles: mean(of_quads.map(|traced| cycles(&traced))),
-        m4f_cycles_per_edge: whole(OCTAGON)
-            .zip(whole(QUAD))
-            .map(|(octagon, quad)| (octagon - quad) / (OCTAGON - QUAD) as f64),
-        code_bytes: traced.first().map(|traced| traced.code_bytes),
-    })
+/// What was measured of all rungs on the device.
+struct OnDevice {
+    m4f: Vec<device::Cost>,
+    m7: Vec<device::Cost>,
+    m3: Vec<device::Cost>,
+    traced: Vec<Traced>,
+    flash: Vec<Flash>,
+    m3_flash: Vec<Flash>,
+    /// Why some of it is missing.
+    missing: Option<device::Error>,
+}
+
+impl OnDevice {
+    /// Measures it. Traces and the M3 may be missing.
+    fn measure(progress: &mut impl FnMut(&str)) -> Result<Self, device::Error> {
+        let costs = |core| {
+            let found = device::costs(&[core], TIME_LIMIT)?;
+            Ok(found.into_iter().flatten().collect())
+        };
+        let flash = |core| {
+            let rungs = FormFactorRung::ALL.map(FormFactorRung::name);
+            device::flash(core, &rungs, Extent::FormFactor)
+        };
+        let (m4f, m7) = (costs(Core::CortexM4F)?, costs(Core::CortexM7)?);
+        let (m3, no_m3) = optional(costs(Core::CortexM3))?;
+        progress("tracing instructions");
+        let (traced, no_trace) = optional(device::traces(TIME_LIMIT))?;
+        progress("linking each rung alone");
+        Ok(Self {
+            m4f,
+            m7,
+            m3: m3.unwrap_or_default(),
+            traced: traced.unwrap_or_default(),
+            flash: flash(Core::CortexM4F)?,
+            m3_flash: optional(flash(Core::CortexM3))?.0.unwrap_or_default(),
+            missing: no_m3.or(no_trace),
+        })
+    }
+
+    /// The costs of a rung; `None` where the device's program lacks it.
+    fn cost(&self, rung: &str) -> Option<DeviceCost> {
+        let of = |cost: &device::Cost| cost.operation == "form-factor" && cost.rung == rung;
+        // The rungs that take a root from outside are measured with several.
+        let of_root = |costs: &[device::Cost]| -> Vec<device::Cost> {
+            let first = ["fpu", "own", "-", "libm"]
+                .into_iter()
+                .find(|root| costs.iter().any(|cost| of(cost) && cost.root == *root));
+            let these = costs
+                .iter()
+                .filter(|cost| of(cost) && Some(&*cost.root) == first);
+            these.cloned().collect()
+        };
+        let quads = |costs: &[device::Cost]| {
+            let costs = of_root(costs);
+            let quads = costs.iter().filter(|cost| cost.size == QUAD);
+            mean(quads.map(device::Cost::mean))
+        };
+        let m4f = of_root(&self.m4f);
+        let root = m4f.first().map(|cost| &cost.root);
+        let dearest = m4f.iter().filter(|cost| cost.size == QUAD);
+        let this = |traced: &&Traced| of(&traced.cost) && Some(&traced.cost.root) == root;
+        let traced: Vec<&Traced> = self.traced.iter().filter(this).collect();
+        let cycles = |traced: &&Traced| traced.cycles as f64 / f64::from(traced.cost.calls.max(1));
+        let whole = |size: usize| {
+            let mut of_whole = traced.iter();
+            let found =
+                of_whole.find(|traced| traced.cost.size == size && traced.cost.case == WHOLE);
+            found.map(cycles)
+        };
+        let of_quads = traced.iter().filter(|traced| traced.cost.size == QUAD);
+        let alone = |flash: &'_ [Flash]| {
+            let found = flash.iter().find(|flash| flash.rung == rung)?;
+            Some((found.code_bytes, found.constant_bytes))
+        };
+        let (code_bytes, table_bytes) = alone(&self.flash)?;
+        Some(DeviceCost {
+            m4f_instructions: quads(&self.m4f)?,
+            m4f_largest: dearest.map(|cost| cost.largest).max()?,
+            m7_instructions: quads(&self.m7)?,
+            m4f_cycles: mean(of_quads.map(cycles)),
+            m4f_cycles_per_edge: whole(OCTAGON)
+                .zip(whole(QUAD))
+                .map(|(octagon, quad)| (octagon - quad) / (OCTAGON - QUAD) as f64),
+            m3_instructions: quads(&self.m3),
+            code_bytes,
+            table_bytes,
+            m3_code_bytes: alone(&self.m3_flash).map(|(code, _)| code),
+        })
+    }
 }
 
 /// The mean; `None` of nothing.

@@ -11,8 +11,8 @@ const PLAIN: TableStyle = TableStyle::new().header_separator(LineStyle::new('─
 
 /// The columns of [`csv`].
 pub const COLUMNS: &str = "rung,max,p95,tiny_relative_max,on_front,on_relative_front,\
-m4f_instructions,m4f_largest,m7_instructions,m4f_cycles,m4f_cycles_per_edge,code_bytes,\
-table_bytes,host_nanoseconds";
+m4f_instructions,m4f_largest,m7_instructions,m4f_cycles,m4f_cycles_per_edge,m3_instructions,\
+code_bytes,table_bytes,m3_code_bytes,host_nanoseconds";
 
 /// The columns of [`scene_csv`]; errors in percent of full scale.
 pub const SCENE_COLUMNS: &str = "scene,reflections,rung,direct_max,direct_p95,direct_rms,\
@@ -53,8 +53,10 @@ pub fn csv(rows: &[FormFactors]) -> String {
             cell(device.map(|device| decimals(device.m7_instructions))),
             cell(device.and_then(|device| device.m4f_cycles.map(decimals))),
             cell(device.and_then(|device| device.m4f_cycles_per_edge.map(decimals))),
-            cell(device.and_then(|device| device.code_bytes)),
-            row.table_bytes.to_string(),
+            cell(device.and_then(|device| device.m3_instructions.map(decimals))),
+            cell(device.map(|device| device.code_bytes)),
+            cell(device.map(|device| device.table_bytes)),
+            cell(device.and_then(|device| device.m3_code_bytes)),
             format!("{:.1}", row.host_nanoseconds),
         ];
         text.push_str(&cells.join(","));
@@ -130,7 +132,10 @@ pub fn terminal(rows: &[FormFactors]) -> String {
         "largest",
         "cycles",
         "an edge",
+        "on M3",
         "code",
+        "tables",
+        "code M3",
         "ns here",
         "front",
     ]);
@@ -148,7 +153,10 @@ pub fn terminal(rows: &[FormFactors]) -> String {
             count(device.map(|device| device.m4f_largest as f64)),
             count(device.and_then(|device| device.m4f_cycles)),
             count(device.and_then(|device| device.m4f_cycles_per_edge)),
-            count(device.and_then(|device| device.code_bytes.map(|bytes| bytes as f64))),
+            count(device.and_then(|device| device.m3_instructions)),
+            count(device.map(|device| device.code_bytes as f64)),
+            count(device.map(|device| device.table_bytes as f64)),
+            count(device.and_then(|device| device.m3_code_bytes.map(|bytes| bytes as f64))),
             count(Some(row.host_nanoseconds)),
             marks.collect(),
         ]);

@@ -32,7 +32,7 @@ impl Clock {
     /// Starts the timers from zero.
     pub(crate) fn start(mut systick: SYST) -> Self {
         // SAFETY: the addresses are those of the timers on the boards this
-        // firmware is for (AN386, AN500), and nothing else here touches them.
+        // firmware is for (AN385, AN386, AN500), and nothing else here touches them.
         unsafe {
             ptr::write_volatile(DUAL_TIMER.add(0), u32::MAX);
             ptr::write_volatile(TIMER.add(2), u32::MAX);

@@ -16,6 +16,8 @@ mod cost_samples;
 #[cfg(target_os = "none")]
 mod cost_target;
 #[cfg(target_os = "none")]
+mod ending;
+#[cfg(target_os = "none")]
 mod meter;
 #[cfg(target_os = "none")]
 mod root;

@@ -3,8 +3,6 @@
 use core::hint::black_box;
 use core::sync::atomic::{Ordering, compiler_fence};
 
-use cortex_m as _; // its critical section
-use defmt_semihosting as _; // the global logger
 use isolux::Error;
 use isolux::form_factor::fixed_point::{self, Format, Q24, Q29};
 use isolux::form_factor::{Best, Libm, Micromath, Outline, Poly3, Poly5, Poly8, of_loops};
@@ -256,16 +254,4 @@ fn classical(meter: &Meter, side: usize) -> Result<(), Error> {
     }
     account.log(["delta-form-factors", "-", "-", "-"], side * side);
     Ok(())
-}
-
-#[panic_handler]
-fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-    defmt::error!("{}", defmt::Display2Format(info));
-    process::exit(1)
-}
-
-#[cortex_m_rt::exception]
-unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
-    defmt::error!("hard fault at {=u32:#x}", frame.pc());
-    process::exit(1)
 }

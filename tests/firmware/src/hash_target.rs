@@ -1,7 +1,5 @@
 //! The evaluations themselves.
 
-use cortex_m as _; // its critical section
-use defmt_semihosting as _; // the global logger
 use isolux::form_factor::fixed_point::{self, Format, Q24, Q29, Scale};
 use isolux::form_factor::{Arithmetic, Best, Libm, Micromath, Poly3, Poly5, Poly8, form_factor};
 use isolux::geometry::Receiver;
@@ -54,35 +52,29 @@ fn fixed_form_factor<F: Format>(case: &Case) -> Option<F> {
 /// Hashes the answers of one rung.
 type Hashes = fn() -> u64;
 
-/// The rungs.
-const RUNGS: &[(&str, Hashes)] = &[
+/// The rungs in floating point.
+const FLOATS: &[(&str, Hashes)] = &[
     ("libm", hash::<Libm<Chosen>>),
     ("micromath", hash::<Micromath>),
     ("poly3", hash::<Poly3<Chosen>>),
     ("poly5", hash::<Poly5<Chosen>>),
     ("poly8", hash::<Poly8<Chosen>>),
     ("best", hash::<Best<Chosen>>),
-    ("q24", fixed_hash::<Q24>),
-    ("q29", fixed_hash::<Q29>),
 ];
+
+/// The rungs in integers.
+const INTEGERS: &[(&str, Hashes)] = &[("q24", fixed_hash::<Q24>), ("q29", fixed_hash::<Q29>)];
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    for (rung, hash) in RUNGS {
+    let floats = if cfg!(feature = "integers-alone") {
+        &[]
+    } else {
+        FLOATS
+    };
+    for (rung, hash) in floats.iter().chain(INTEGERS) {
         defmt::info!("hash {=str} {=u64:016x}", *rung, hash());
     }
-    defmt::info!("end hashes {=usize}", RUNGS.len());
+    defmt::info!("end hashes {=usize}", floats.len() + INTEGERS.len());
     process::exit(0)
-}
-
-#[panic_handler]
-fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-    defmt::error!("{}", defmt::Display2Format(info));
-    process::exit(1)
-}
-
-#[cortex_m_rt::exception]
-unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
-    defmt::error!("hard fault at {=u32:#x}", frame.pc());
-    process::exit(1)
 }

@@ -5,6 +5,8 @@
 #![cfg_attr(target_os = "none", no_main)]
 
 #[cfg(target_os = "none")]
+mod ending;
+#[cfg(target_os = "none")]
 mod hash_cases;
 #[cfg(target_os = "none")]
 mod hash_target;

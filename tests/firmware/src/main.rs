@@ -11,6 +11,8 @@
 #[cfg(target_os = "none")]
 mod clock;
 #[cfg(target_os = "none")]
+mod ending;
+#[cfg(target_os = "none")]
 mod job;
 #[cfg(target_os = "none")]
 mod meter;

@@ -5,7 +5,8 @@
 //! optimiser knows, so it can assume nothing of the arguments. If any of them
 //! could panic, the handler would stay in the program and the link would fail
 //! for the missing symbol; this program links, so none can. `--features bad`
-//! adds one that can, and must not link.
+//! adds one that can, and must not link; `--features unbounded` adds functions
+//! whose stack has no bound, and the gate on the stack must refuse each.
 //!
 //! The program is never run. No logger is in it: its own panics would be found.
 
@@ -232,9 +233,56 @@ mod entries {
         }
     }
 
+    /// What no bound of the stack follows from: the gate must refuse each.
+    #[cfg(feature = "unbounded")]
+    mod unbounded {
+        use core::arch::naked_asm;
+        use core::hint::black_box;
+
+        /// Calls itself.
+        #[inline(never)]
+        #[unsafe(no_mangle)]
+        fn isolux_unbounded_recursion(depth: u32) -> u32 {
+            match depth {
+                0 => 0,
+                depth => 1 + black_box(isolux_unbounded_recursion(depth >> 1)),
+            }
+        }
+
+        /// Calls whatever it is given.
+        #[inline(never)]
+        #[unsafe(no_mangle)]
+        fn isolux_unbounded_pointer(function: fn(u32) -> u32) -> u32 {
+            1 + function(1)
+        }
+
+        /// Takes as much stack as it is told.
+        #[unsafe(naked)]
+        #[unsafe(no_mangle)]
+        extern "C" fn isolux_unbounded_step(bytes: u32) -> u32 {
+            naked_asm!("mov r1, sp", "sub.w sp, sp, r0", "mov sp, r1", "bx lr")
+        }
+
+        /// Reaches one of them through a function that is bounded by itself.
+        #[inline(never)]
+        #[unsafe(no_mangle)]
+        fn isolux_unbounded_below(depth: u32) -> u32 {
+            2 * black_box(isolux_unbounded_recursion(depth | 1))
+        }
+
+        pub(super) fn keep() {
+            black_box(isolux_unbounded_recursion as fn(u32) -> u32);
+            black_box(isolux_unbounded_pointer as fn(fn(u32) -> u32) -> u32);
+            black_box(isolux_unbounded_step as extern "C" fn(u32) -> u32);
+            black_box(isolux_unbounded_below as fn(u32) -> u32);
+        }
+    }
+
     #[cortex_m_rt::entry]
     fn main() -> ! {
         keep();
+        #[cfg(feature = "unbounded")]
+        unbounded::keep();
         loop {
             cortex_m::asm::nop();
         }

@@ -2,9 +2,7 @@
 
 use core::mem::{MaybeUninit, size_of};
 
-use cortex_m as _; // its critical section
 use cortex_m::singleton;
-use defmt_semihosting as _; // the global logger
 use isolux::Error;
 use isolux::budget;
 use isolux::luminance::{Colour as _, Luminance};
@@ -182,16 +180,4 @@ fn values(values: &[Colour]) {
     let bytes =
         unsafe { core::slice::from_raw_parts(values.as_ptr().cast::<u8>(), size_of_val(values)) };
     defmt::info!("values {=[u8]}", bytes);
-}
-
-#[panic_handler]
-fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-    defmt::error!("{}", defmt::Display2Format(info));
-    process::exit(1)
-}
-
-#[cortex_m_rt::exception]
-unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
-    defmt::error!("hard fault at {=u32:#x}", frame.pc());
-    process::exit(1)
 }

@@ -37,6 +37,10 @@ pub(super) fn effect(instruction: &str) -> Effect {
         "stmdb" | "vstmdb" if first == "sp!" => Effect::Takes(registers(operands)),
         "ldr" if first == "pc" && !operands.contains("[sp]") => Effect::Hazard(INDIRECT),
         "mov" | "add" if first == "pc" => Effect::Hazard(INDIRECT),
+        // A return where it is from the stack, else a jump to what was loaded.
+        "ldm" | "ldmia" | "ldmdb" if operands.contains("pc") && first != "sp!" => {
+            Effect::Hazard(INDIRECT)
+        }
         "sub" | "subw" if first == "sp" => {
             immediate(operands).map_or(Effect::Hazard(MOVED), Effect::Takes)
         }
@@ -47,11 +51,7 @@ pub(super) fn effect(instruction: &str) -> Effect {
         "msr" => Effect::Hazard(MOVED),
         "cmp" | "cmn" | "tst" | "str" => Effect::None,
         // Through the stack pointer, which stays: without the `!` of a write-back.
-        "stm" | "stmia" | "vstmia" | "ldm" | "ldmia" | "vldmia"
-            if first == "sp" && !operands.contains("pc") =>
-        {
-            Effect::None
-        }
+        "stm" | "stmia" | "vstmia" | "ldm" | "ldmia" | "vldmia" if first == "sp" => Effect::None,
         // Anything else that writes the stack pointer.
         _ if first == "sp" => Effect::Hazard(MOVED),
         _ => Effect::None,
@@ -146,7 +146,9 @@ mod tests {
         assert_eq!(effect("bfi\tr0, r1, #0x3, #0x4"), Effect::None);
         assert_eq!(effect("mov\tsp, r4"), Effect::Hazard(MOVED));
         assert_eq!(effect("stm.w\tsp, {r0, r3, r4}"), Effect::None);
-        assert_eq!(effect("ldm\tsp, {r0, pc}"), Effect::Hazard(MOVED));
+        assert_eq!(effect("ldm\tsp, {r0, pc}"), Effect::Hazard(INDIRECT));
+        assert_eq!(effect("ldm.w\tr0, {r4, pc}"), Effect::Hazard(INDIRECT));
+        assert_eq!(effect("ldm.w\tsp!, {r4, pc}"), Effect::None);
         assert_eq!(effect("add\tsp, r1"), Effect::Hazard(MOVED));
         assert_eq!(effect("bic\tsp, sp, #0x7"), Effect::Hazard(MOVED));
         assert_eq!(effect("ldr\tpc, [r0, r1]"), Effect::Hazard(INDIRECT));

@@ -2,8 +2,8 @@
 //!
 //! The emulator counts instructions, all alike; a division is not like a move.
 //! So it is asked to log the address of every instruction inside the rungs'
-//! functions (`-singlestep -d exec,nochain` and a filter of addresses), and
-//! each is weighted by what the disassembly has there ([`model`]). Calls are
+//! functions (one instruction a block, `-d exec,nochain` and a filter of
+//! addresses), and each is weighted by what the disassembly has there ([`model`]). Calls are
 //! told apart by the addresses of a rung's entry and of a marker that the
 //! program calls behind it.
 
@@ -16,7 +16,7 @@ use std::time::Duration;
 use super::cost::{self, Cost};
 use super::emulator::{self, Core};
 use super::error::Error;
-use super::firmware::Toolchain;
+use super::firmware::{Build, Toolchain};
 use super::stack;
 use model::Weight;
 
@@ -37,8 +37,6 @@ pub struct Traced {
     pub instructions: u64,
     /// Estimated cycles of all calls.
     pub cycles: u64,
-    /// Bytes of code that the rung's form factor can reach.
-    pub code_bytes: u64,
 }
 
 /// Traces the form factors of every rung on the Cortex-M4F; the model of
@@ -53,28 +51,25 @@ pub fn traces(time_limit: Duration) -> Result<Vec<Traced>, Error> {
     let disassembler = toolchain.tool("llvm-objdump")?;
     let directory = tempfile::tempdir().map_err(Error::io("creating a temporary directory"))?;
     let program = directory.path().join(cost::PROGRAM);
-    toolchain.link(core, cost::PROGRAM, &["trace"], &[], &program)?;
+    let build = Build {
+        features: &["trace"],
+        ..Build::of(cost::PROGRAM)
+    };
+    toolchain.link(core, &build, &program)?;
     let disassembly = stack::disassemble(&disassembler, &program)?;
     let rungs = Rungs::new(&disassembly)?;
-    let mut code = BTreeMap::new();
     let mut ranges = BTreeMap::from([(rungs.end, 2)]);
-    for (&entry, name) in &rungs.entries {
-        let bounds = stack::bounds(&disassembler, &program, name)?;
-        code.insert(entry, bounds.code);
-        ranges.extend(bounds.reached);
+    for name in rungs.entries.values() {
+        ranges.extend(stack::bounds(&disassembler, &program, name)?.reached);
     }
     let filter: Vec<String> = ranges
         .iter()
         .map(|(start, size)| format!("{start:#x}+{size:#x}"))
         .collect();
-    let arguments = [
-        "-singlestep",
-        "-d",
-        "exec,nochain",
-        "-dfilter",
-        &filter.join(","),
-    ];
-    let arguments = arguments.map(str::to_owned);
+    let filter = filter.join(",");
+    let log = ["-d", "exec,nochain", "-dfilter", &filter];
+    let arguments = emulator::one_by_one()?.iter().chain(&log);
+    let arguments: Vec<String> = arguments.map(|word| (*word).to_owned()).collect();
     let (tables, entries) = (Tables::new(&disassembly), rungs.clone());
     let (status, console, trace) =
         emulator::run_reading(core, &program, &arguments, time_limit, move |pipe| {
@@ -89,17 +84,12 @@ pub fn traces(time_limit: Duration) -> Result<Vec<Traced>, Error> {
             said: errors.join("; "),
         });
     }
-    attribute(costs, trace.calls, &rungs, &code)
+    attribute(costs, trace.calls, &rungs)
 }
 
 /// Gives the calls of a trace to the lines of the program's log: both have
 /// each rung's calls in the same order.
-fn attribute(
-    costs: Vec<Cost>,
-    calls: Vec<Call>,
-    rungs: &Rungs,
-    code: &BTreeMap<u64, u64>,
-) -> Result<Vec<Traced>, Error> {
+fn attribute(costs: Vec<Cost>, calls: Vec<Call>, rungs: &Rungs) -> Result<Vec<Traced>, Error> {
     let mut queues: BTreeMap<u64, VecDeque<Call>> = BTreeMap::new();
     for call in calls {
         queues.entry(call.entry).or_default().push_back(call);
@@ -139,7 +129,6 @@ fn attribute(
             cost,
             instructions,
             cycles,
-            code_bytes: code.get(&entry).copied().unwrap_or_default(),
         });
     }
     Ok(traced)

@@ -1,0 +1,78 @@
+//! A firmware with one rung holds that rung and no other, and nothing of the
+//! features it did not ask for: read off the linked programs, from the names of
+//! their functions and of those that the optimiser has put into them. How many
+//! bytes each rung takes is gated by tests/trade.rs.
+//!
+//! Skipped, loudly, where a tool is missing; with `ISOLUX_REQUIRE_QEMU=1` in
+//! the environment that is a failure instead.
+
+use isolux_host::device::{self, Core, Extent, Flash};
+use isolux_host::solve::FormFactorRung;
+
+/// Parts of functions' names by whose rungs may hold them. Symbols spell a path
+/// with the lengths of its words: `isolux11form_factor8residual`, or with dots
+/// within brackets, `isolux..form_factor..residual`.
+const PARTS: [(&[&str], &[&str]); 5] = [
+    (
+        &["11form_factor8residual", "form_factor..residual"],
+        &["best"],
+    ),
+    (
+        &["11form_factor10half_angle", "form_factor..half_angle"],
+        &["poly3", "poly5", "poly8", "best"],
+    ),
+    (
+        &["11form_factor5paper", "form_factor..paper", "acosf"],
+        &["libm"],
+    ),
+    (&["9micromath", "micromath.."], &["micromath"]),
+    (
+        &["11fixed_point", "..fixed_point", "5fixed"],
+        &["q24", "q29"],
+    ),
+];
+
+/// What no program holds: the logger, panics, memory from a heap.
+const NEVER: [&str; 4] = ["5defmt", "defmt..", "panic_fmt", "__rust_alloc"];
+
+/// Every rung alone; `None` where the machine lacks what it takes.
+fn alone(core: Core, extent: Extent) -> Option<Vec<Flash>> {
+    let rungs = FormFactorRung::ALL.map(FormFactorRung::name);
+    match device::flash(core, &rungs, extent) {
+        Ok(found) => Some(found),
+        Err(error) => {
+            let required = std::env::var_os("ISOLUX_REQUIRE_QEMU").is_some();
+            assert!(error.is_missing() && !required, "{error}");
+            eprintln!("SKIPPED: {error}");
+            None
+        }
+    }
+}
+
+fn holds(flash: &Flash, part: &str) -> bool {
+    flash.functions.iter().any(|name| name.contains(part))
+}
+
+#[test]
+fn the_whole_kernel_with_one_rung_holds_no_other() {
+    let Some(all) = alone(Core::CortexM4F, Extent::WholeKernel) else {
+        return;
+    };
+    for flash in &all {
+        let rung = flash.rung.as_str();
+        for (parts, rungs) in PARTS {
+            let found: Vec<_> = parts.iter().filter(|part| holds(flash, part)).collect();
+            let expected = rungs.contains(&rung);
+            assert_eq!(
+                !found.is_empty(),
+                expected,
+                "{rung}: {found:?} of {parts:?}"
+            );
+        }
+        for part in NEVER {
+            assert!(!holds(flash, part), "{rung}: {part}");
+        }
+        // The root is the FPU's; libm's arc cosine alone has one of its own.
+        assert_eq!(holds(flash, "4sqrt5sqrtf"), rung == "libm", "{rung}");
+    }
+}
