@@ -55,10 +55,42 @@ pub struct Exact<
 #[derive(Clone, Debug)]
 struct Waiting<N, const VERTICES: usize> {
     piece: Polygon<N, VERTICES>,
-    /// The blocker to go on with.
+    at: Place,
+}
+
+/// How far a piece has come.
+#[derive(Clone, Copy, Debug, Default)]
+struct Place {
+    /// The blocker to go on with: those before hide nothing of the piece.
     blocker: usize,
     /// The line to go on with: the piece is inside of those before.
     line: usize,
+}
+
+impl Place {
+    fn next_blocker(self) -> Self {
+        Self {
+            blocker: self.blocker.wrapping_add(1),
+            line: 0,
+        }
+    }
+
+    fn next_line(self) -> Self {
+        Self {
+            blocker: self.blocker,
+            line: self.line.wrapping_add(1),
+        }
+    }
+}
+
+/// What becomes of a piece.
+enum Step {
+    /// It goes on.
+    Same,
+    /// It is split into both buffers, inside and outside of a line.
+    Split,
+    /// It is seen, hidden or given up.
+    Done,
 }
 
 /// What [`Exact::gather`] found.
@@ -83,6 +115,7 @@ pub struct Piece<'a, N> {
     seen: &'a SeenPlane<N>,
     corners: &'a [[N; 2]],
     horizon: Option<usize>,
+    whole: bool,
 }
 
 impl<'a, N: Floating> Piece<'a, N> {
@@ -94,6 +127,7 @@ impl<'a, N: Floating> Piece<'a, N> {
             seen,
             corners: polygon.corners(),
             horizon: polygon.horizon(),
+            whole: polygon.is_uncut(),
         }
     }
 
@@ -106,6 +140,11 @@ impl<'a, N: Floating> Piece<'a, N> {
     /// The corner at which the edge along the receiver's horizon begins.
     pub fn horizon(&self) -> Option<usize> {
         self.horizon
+    }
+
+    /// Whether it is all of the target that is above the horizon.
+    pub fn is_whole(&self) -> bool {
+        self.whole
     }
 
     /// The target's plane as the receiver sees it.
@@ -213,7 +252,7 @@ impl<
         };
         self.seen = view.seen;
         match self.above_horizon(&view, target) {
-            Ok(Side::Outside) => return Gathered::Dark,
+            Ok(Side::Outside | Side::On) => return Gathered::Dark,
             Ok(_) => {}
             Err(Full) => return Gathered::Overflow,
         }
@@ -264,7 +303,7 @@ impl<
             match whole.side(line) {
                 // A line that has all of the target inside cuts nothing off.
                 Side::Inside => {}
-                Side::Outside => apart = true,
+                Side::Outside | Side::On => apart = true,
                 Side::Both => {
                     cuts = true;
                     full |= lines.push(*line).is_err();
@@ -326,78 +365,39 @@ impl<
 
     /// As [`fold`](Self::fold), for a sum that can also take differences.
     pub fn add_to(&mut self, sum: &mut impl Sum<N>) {
-        let seen = &self.seen;
-        let (lines, ends) = (self.lines.as_slice(), self.ends.as_slice());
+        let kept = Kept {
+            seen: &self.seen,
+            lines: &self.lines,
+            ends: &self.ends,
+        };
         let [piece, outer, inner] = &mut self.scratch;
         let (mut piece, mut outer) = (piece, outer);
         self.waiting.clear();
         piece.copy_from(&self.whole);
-        let (mut blocker, mut line) = (0_usize, 0_usize);
+        let mut at = Place::default();
         loop {
-            let Some(own) = lines_of(lines, ends, blocker) else {
-                sum.visible(&Piece::of(seen, piece));
-                let Some(next) = self.waiting.pop() else {
-                    return;
-                };
-                piece.copy_from(&next.piece);
-                (blocker, line) = (next.blocker, next.line);
-                continue;
-            };
-            let next = blocker.wrapping_add(1);
-            let mut done = false;
-            if line == 0 {
-                match overlap(own, piece, [&mut *inner, &mut *outer]) {
-                    Ok(Overlap::Apart) => {
-                        blocker = next;
-                        continue;
-                    }
-                    Ok(Overlap::Covered) => done = true,
-                    Ok(Overlap::Hidden(part)) => {
-                        done = next == ends.len()
-                            && sum.difference(&Piece::of(seen, piece), &Piece::of(seen, part));
-                    }
-                    Err(Full) => {
-                        sum.unresolved(&Piece::of(seen, piece));
-                        done = true;
-                    }
-                }
-            }
-            if !done {
-                match own.get(line) {
-                    // Inside of all lines: hidden.
-                    None => done = true,
-                    Some(cut) => match piece.side(cut) {
-                        Side::Inside => line = line.wrapping_add(1),
-                        Side::Outside => (blocker, line) = (next, 0),
-                        Side::Both => {
-                            if piece.split(cut, inner, outer).is_err() {
-                                sum.unresolved(&Piece::of(seen, piece));
-                                done = true;
-                            } else {
-                                let line_after = line.wrapping_add(1);
-                                if line_after < own.len() {
-                                    let waiting = Waiting {
-                                        piece: inner.clone(),
-                                        blocker,
-                                        line: line_after,
-                                    };
-                                    if self.waiting.push(waiting).is_err() {
-                                        sum.unresolved(&Piece::of(seen, inner));
-                                    }
-                                }
-                                swap(&mut piece, &mut outer);
-                                (blocker, line) = (next, 0);
-                            }
+            match kept.step(&mut at, piece, [&mut *inner, &mut *outer], sum) {
+                Step::Same => {}
+                Step::Split => {
+                    if at.line.wrapping_add(1) < kept.lines_of(at.blocker).map_or(0, <[_]>::len) {
+                        let waiting = Waiting {
+                            piece: inner.clone(),
+                            at: at.next_line(),
+                        };
+                        if self.waiting.push(waiting).is_err() {
+                            sum.unresolved(&Piece::of(kept.seen, inner));
                         }
-                    },
+                    }
+                    swap(&mut piece, &mut outer);
+                    at = at.next_blocker();
                 }
-            }
-            if done {
-                let Some(next) = self.waiting.pop() else {
-                    return;
-                };
-                piece.copy_from(&next.piece);
-                (blocker, line) = (next.blocker, next.line);
+                Step::Done => {
+                    let Some(next) = self.waiting.pop() else {
+                        return;
+                    };
+                    piece.copy_from(&next.piece);
+                    at = next.at;
+                }
             }
         }
     }
@@ -407,7 +407,13 @@ impl<
     /// Error: that of [`Best`](crate::form_factor::Best) on the whole target,
     /// and 1e-6 of its form factor.
     pub fn form_factor<R: Root<N> + Copy>(&mut self) -> Bracket<N> {
+        self.bracket::<R>(None)
+    }
+
+    /// The same, with the form factor of the whole target where it is known.
+    fn bracket<R: Root<N> + Copy>(&mut self, whole: Option<N>) -> Bracket<N> {
         let mut sum = FormFactor::<N, R> {
+            whole,
             visible: N::ZERO,
             unresolved: N::ZERO,
             root: PhantomData,
@@ -436,15 +442,75 @@ impl<
     }
 }
 
-/// The lines of one blocker; `None` behind the last.
-#[inline(always)]
-fn lines_of<'a, N>(lines: &'a [Line<N>], ends: &[u16], blocker: usize) -> Option<&'a [Line<N>]> {
-    let end = usize::from(*ends.get(blocker)?);
-    let start = match blocker.checked_sub(1) {
-        Some(before) => usize::from(*ends.get(before)?),
-        None => 0,
-    };
-    lines.get(start..end)
+/// What a fold reads.
+struct Kept<'w, N> {
+    seen: &'w SeenPlane<N>,
+    lines: &'w [Line<N>],
+    ends: &'w [u16],
+}
+
+impl<'w, N: Floating> Kept<'w, N> {
+    /// The lines of one blocker; `None` behind the last.
+    #[inline(always)]
+    fn lines_of(&self, blocker: usize) -> Option<&'w [Line<N>]> {
+        let end = usize::from(*self.ends.get(blocker)?);
+        let start = match blocker.checked_sub(1) {
+            Some(before) => usize::from(*self.ends.get(before)?),
+            None => 0,
+        };
+        self.lines.get(start..end)
+    }
+
+    /// Takes a piece past one line or one blocker.
+    #[inline]
+    fn step<const VERTICES: usize>(
+        &self,
+        at: &mut Place,
+        piece: &Polygon<N, VERTICES>,
+        [inner, outer]: [&mut Polygon<N, VERTICES>; 2],
+        sum: &mut impl Sum<N>,
+    ) -> Step {
+        let Some(own) = self.lines_of(at.blocker) else {
+            if !piece.is_thin() {
+                sum.visible(&Piece::of(self.seen, piece));
+            }
+            return Step::Done;
+        };
+        if at.line == 0 {
+            match overlap(own, piece, [&mut *inner, &mut *outer]) {
+                Ok(Overlap::Apart) => {
+                    *at = at.next_blocker();
+                    return Step::Same;
+                }
+                Ok(Overlap::Covered) => return Step::Done,
+                Ok(Overlap::Hidden(part)) => {
+                    let last = at.next_blocker().blocker == self.ends.len();
+                    let hidden = Piece::of(self.seen, part);
+                    if last && sum.difference(&Piece::of(self.seen, piece), &hidden) {
+                        return Step::Done;
+                    }
+                }
+                Err(Full) => {
+                    sum.unresolved(&Piece::of(self.seen, piece));
+                    return Step::Done;
+                }
+            }
+        }
+        let Some(line) = own.get(at.line) else {
+            return Step::Done; // inside of all lines: hidden
+        };
+        match piece.side(line) {
+            Side::Inside => *at = at.next_line(),
+            Side::Outside => *at = at.next_blocker(),
+            Side::On => return Step::Done,
+            Side::Both if piece.split(line, inner, outer).is_ok() => return Step::Split,
+            Side::Both => {
+                sum.unresolved(&Piece::of(self.seen, piece));
+                return Step::Done;
+            }
+        }
+        Step::Same
+    }
 }
 
 /// How a piece lies to the inside of all lines.
@@ -454,8 +520,14 @@ fn overlap<'a, N: Floating, const VERTICES: usize>(
     piece: &Polygon<N, VERTICES>,
     buffers: [&'a mut Polygon<N, VERTICES>; 2],
 ) -> Result<Overlap<'a, N, VERTICES>, Full> {
-    if lines.iter().any(|line| piece.side(line) == Side::Outside) {
-        return Ok(Overlap::Apart);
+    for line in lines {
+        match piece.side(line) {
+            Side::Outside => return Ok(Overlap::Apart),
+            // Within rounding of a line nothing is known: no light leaks
+            // through pieces that no line can tell from itself.
+            Side::On => return Ok(Overlap::Covered),
+            Side::Inside | Side::Both => {}
+        }
     }
     let [mut common, mut spare] = buffers;
     let mut cut = false;
@@ -463,7 +535,7 @@ fn overlap<'a, N: Floating, const VERTICES: usize>(
         let from = if cut { &*common } else { piece };
         match from.side(line) {
             Side::Inside => {}
-            Side::Outside => return Ok(Overlap::Apart),
+            Side::Outside | Side::On => return Ok(Overlap::Apart),
             Side::Both => {
                 from.clip(line, spare)?;
                 swap(&mut common, &mut spare);
@@ -480,6 +552,8 @@ fn overlap<'a, N: Floating, const VERTICES: usize>(
 
 /// The sum of form factors.
 struct FormFactor<N, R> {
+    /// That of the whole target, where it is known.
+    whole: Option<N>,
     visible: N,
     unresolved: N,
     root: PhantomData<R>,
@@ -495,7 +569,11 @@ impl<N: Floating, R: Root<N> + Copy> Sum<N> for FormFactor<N, R> {
     }
 
     fn difference(&mut self, piece: &Piece<'_, N>, hidden: &Piece<'_, N>) -> bool {
-        let (all, part) = (piece.form_factor::<R>(), hidden.form_factor::<R>());
+        let all = match self.whole {
+            Some(whole) if piece.is_whole() => whole,
+            _ => piece.form_factor::<R>(),
+        };
+        let part = hidden.form_factor::<R>();
         let clear = part < all * N::of(0.75);
         if clear {
             self.visible = self.visible + (all - part);
@@ -523,7 +601,10 @@ impl<
         match self.gather(receiver, target, occluders, blockers) {
             Gathered::Dark => Bracket::exactly(N::ZERO),
             Gathered::Whole => Bracket::exactly(unoccluded()),
-            Gathered::Partly => Exact::form_factor::<R>(self).at_most(unoccluded()),
+            Gathered::Partly => {
+                let whole = unoccluded();
+                self.bracket::<R>(Some(whole)).at_most(whole)
+            }
             Gathered::Overflow => Bracket {
                 low: N::ZERO,
                 high: unoccluded(),

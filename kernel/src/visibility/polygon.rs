@@ -1,6 +1,6 @@
 //! Convex polygons in an emitter's plane, and their cut in two.
 
-use super::line::Line;
+use super::line::{Line, unit_roundoff};
 use crate::number::Floating;
 use heapless::Vec;
 
@@ -10,6 +10,8 @@ pub(super) struct Polygon<N, const VERTICES: usize> {
     corners: Vec<[N; 2], VERTICES>,
     /// The corner at which the edge along the horizon begins.
     horizon: Option<u8>,
+    /// Nothing has been cut off but by the horizon.
+    uncut: bool,
 }
 
 /// On which side of a line a polygon is.
@@ -17,8 +19,10 @@ pub(super) struct Polygon<N, const VERTICES: usize> {
 pub(super) enum Side {
     /// No corner is outside.
     Inside,
-    /// No corner is inside.
+    /// No corner is inside, some are outside.
     Outside,
+    /// All corners are on the line: the polygon has no width.
+    On,
     /// Some are, some are not.
     Both,
 }
@@ -33,6 +37,7 @@ impl<N: Floating, const VERTICES: usize> Polygon<N, VERTICES> {
         Self {
             corners: Vec::new(),
             horizon: None,
+            uncut: false,
         }
     }
 
@@ -42,6 +47,7 @@ impl<N: Floating, const VERTICES: usize> Polygon<N, VERTICES> {
         for corner in corners {
             self.corners.push(corner).map_err(|_| Full)?;
         }
+        self.uncut = true;
         Ok(())
     }
 
@@ -50,6 +56,7 @@ impl<N: Floating, const VERTICES: usize> Polygon<N, VERTICES> {
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.corners.clone_from(&other.corners);
         self.horizon = other.horizon;
+        self.uncut = other.uncut;
     }
 
     pub(super) fn corners(&self) -> &[[N; 2]] {
@@ -61,9 +68,40 @@ impl<N: Floating, const VERTICES: usize> Polygon<N, VERTICES> {
         self.horizon.map(usize::from)
     }
 
+    /// Whether nothing has been cut off but by the horizon.
+    pub(super) fn is_uncut(&self) -> bool {
+        self.uncut
+    }
+
+    /// Whether it is narrower than what rounding leaves between two lines that
+    /// are one: 16 u of the half extents, at most 5e-7 of the target.
+    ///
+    /// Such slivers are left over where occluders meet. No light leaks through
+    /// them, and what is lost where they are real gaps is rounding.
+    pub(super) fn is_thin(&self) -> bool {
+        let Some((&[a0, b0], rest)) = self.corners.split_first() else {
+            return true;
+        };
+        let (mut area, mut extent) = (N::ZERO, N::ZERO);
+        let mut before = [N::ZERO; 2];
+        for &[a, b] in rest {
+            let offset = [a - a0, b - b0];
+            let ([c, d], [e, f]) = (before, offset);
+            area = area + (c * f - d * e);
+            let squared = e * e + f * f;
+            if squared > extent {
+                extent = squared;
+            }
+            before = offset;
+        }
+        let width = N::of(16.0) * unit_roundoff::<N>();
+        area <= N::ZERO || area * area <= width * width * extent
+    }
+
     fn clear(&mut self) {
         self.corners.clear();
         self.horizon = None;
+        self.uncut = false;
     }
 
     #[inline(always)]
@@ -90,7 +128,8 @@ impl<N: Floating, const VERTICES: usize> Polygon<N, VERTICES> {
             any_outside |= height < -tolerance;
         }
         match (any_inside, any_outside) {
-            (false, _) => Side::Outside,
+            (false, false) => Side::On,
+            (false, true) => Side::Outside,
             (true, false) => Side::Inside,
             (true, true) => Side::Both,
         }
@@ -142,6 +181,7 @@ impl<N: Floating, const VERTICES: usize> Polygon<N, VERTICES> {
                 }
                 Ok(())
             })?;
+            above.uncut = true;
         }
         Ok(side)
     }
@@ -158,10 +198,10 @@ impl<N: Floating, const VERTICES: usize> Polygon<N, VERTICES> {
             return Ok(());
         };
         let horizon = self.horizon();
-        let mut next = self.corners.iter().skip(1).chain(core::iter::once(&first));
+        let next = self.corners.iter().skip(1).chain(core::iter::once(&first));
         let (mut from, mut from_height) = (first, line.height(first));
         let mut index = 0_usize;
-        while let Some(&to) = next.next() {
+        for &to in next {
             let to_height = line.height(to);
             let on_horizon = horizon == Some(index);
             let begins = Sides::of(from_height, tolerance);
