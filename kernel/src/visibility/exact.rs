@@ -10,11 +10,13 @@
 //! twice.
 
 use super::line::Line;
+use super::pieces::{FormFactor, Piece, Seen, Sum};
 use super::polygon::{Full, Polygon, Side};
 use super::records::{Blocker, Occluders, Target};
+use super::subtract::{Kept, Place, Step, Waiting};
 use super::view::{Shadow, View, number};
 use super::{Bracket, Visibility};
-use crate::form_factor::{SeenPlane, of_clipped};
+use crate::form_factor::SeenPlane;
 use crate::geometry::{Receiver, Vector};
 use crate::number::{Floating, Root};
 use core::marker::PhantomData;
@@ -51,48 +53,6 @@ pub struct Exact<
     scratch: [Polygon<N, VERTICES>; 3],
 }
 
-/// A piece that waits until those outside of it are done.
-#[derive(Clone, Debug)]
-struct Waiting<N, const VERTICES: usize> {
-    piece: Polygon<N, VERTICES>,
-    at: Place,
-}
-
-/// How far a piece has come.
-#[derive(Clone, Copy, Debug, Default)]
-struct Place {
-    /// The blocker to go on with: those before hide nothing of the piece.
-    blocker: usize,
-    /// The line to go on with: the piece is inside of those before.
-    line: usize,
-}
-
-impl Place {
-    fn next_blocker(self) -> Self {
-        Self {
-            blocker: self.blocker.wrapping_add(1),
-            line: 0,
-        }
-    }
-
-    fn next_line(self) -> Self {
-        Self {
-            blocker: self.blocker,
-            line: self.line.wrapping_add(1),
-        }
-    }
-}
-
-/// What becomes of a piece.
-enum Step {
-    /// It goes on.
-    Same,
-    /// It is split into both buffers, inside and outside of a line.
-    Split,
-    /// It is seen, hidden or given up.
-    Done,
-}
-
 /// What [`Exact::gather`] found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -107,103 +67,6 @@ pub enum Gathered {
     /// The target has more corners than `VERTICES` holds: nothing is known but
     /// 0 ≤ F ≤ the unoccluded form factor.
     Overflow,
-}
-
-/// A convex visible piece of a target.
-#[derive(Clone, Copy, Debug)]
-pub struct Piece<'a, N> {
-    seen: &'a SeenPlane<N>,
-    corners: &'a [[N; 2]],
-    horizon: Option<usize>,
-    whole: bool,
-}
-
-impl<'a, N: Floating> Piece<'a, N> {
-    fn of<const VERTICES: usize>(
-        seen: &'a SeenPlane<N>,
-        polygon: &'a Polygon<N, VERTICES>,
-    ) -> Self {
-        Self {
-            seen,
-            corners: polygon.corners(),
-            horizon: polygon.horizon(),
-            whole: polygon.is_uncut(),
-        }
-    }
-
-    /// Its corners (a, b) in the target's frame, counter-clockwise seen from
-    /// the emitting side.
-    pub fn corners(&self) -> impl Iterator<Item = [N; 2]> + use<'a, N> {
-        self.corners.iter().copied()
-    }
-
-    /// The corner at which the edge along the receiver's horizon begins.
-    pub fn horizon(&self) -> Option<usize> {
-        self.horizon
-    }
-
-    /// Whether it is all of the target that is above the horizon.
-    pub fn is_whole(&self) -> bool {
-        self.whole
-    }
-
-    /// The target's plane as the receiver sees it.
-    pub fn plane(&self) -> &'a SeenPlane<N> {
-        self.seen
-    }
-
-    /// Its form factor, F ≥ 0.
-    pub fn form_factor<R: Root<N> + Copy>(&self) -> N {
-        of_clipped::<N, R>(self.seen, self.corners, self.horizon)
-    }
-}
-
-/// What a fold over the visible pieces adds up.
-pub trait Sum<N> {
-    /// A piece that is seen.
-    fn visible(&mut self, piece: &Piece<'_, N>);
-
-    /// A piece of which it is not known whether it is seen: a bound was met.
-    fn unresolved(&mut self, piece: &Piece<'_, N>);
-
-    /// `piece` without its part `hidden` is seen: adds the difference and says
-    /// `true`, or says `false` and gets it in pieces.
-    ///
-    /// One difference costs less than the pieces, but cancels where little is
-    /// left.
-    fn difference(&mut self, piece: &Piece<'_, N>, hidden: &Piece<'_, N>) -> bool {
-        let _ = (piece, hidden);
-        false
-    }
-}
-
-/// What a fold found.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen<S> {
-    /// The sum over the pieces that are seen.
-    pub visible: S,
-    /// The sum over the pieces of which it is not known.
-    pub unresolved: S,
-    /// How many pieces that are.
-    pub pieces: u32,
-    /// How many blockers did not fit: what they hide is counted as seen.
-    pub left_out: u32,
-}
-
-impl<S> Seen<S> {
-    /// Whether all is known.
-    pub fn is_complete(&self) -> bool {
-        self.pieces == 0 && self.left_out == 0
-    }
-}
-
-/// How a piece lies to a blocker.
-enum Overlap<'a, N, const VERTICES: usize> {
-    Apart,
-    /// Nothing of the piece is seen.
-    Covered,
-    /// This part of the piece is not seen.
-    Hidden(&'a Polygon<N, VERTICES>),
 }
 
 impl<
@@ -439,146 +302,6 @@ impl<
 {
     fn default() -> Self {
         Self::new()
-    }
-}
-
-/// What a fold reads.
-struct Kept<'w, N> {
-    seen: &'w SeenPlane<N>,
-    lines: &'w [Line<N>],
-    ends: &'w [u16],
-}
-
-impl<'w, N: Floating> Kept<'w, N> {
-    /// The lines of one blocker; `None` behind the last.
-    #[inline(always)]
-    fn lines_of(&self, blocker: usize) -> Option<&'w [Line<N>]> {
-        let end = usize::from(*self.ends.get(blocker)?);
-        let start = match blocker.checked_sub(1) {
-            Some(before) => usize::from(*self.ends.get(before)?),
-            None => 0,
-        };
-        self.lines.get(start..end)
-    }
-
-    /// Takes a piece past one line or one blocker.
-    #[inline]
-    fn step<const VERTICES: usize>(
-        &self,
-        at: &mut Place,
-        piece: &Polygon<N, VERTICES>,
-        [inner, outer]: [&mut Polygon<N, VERTICES>; 2],
-        sum: &mut impl Sum<N>,
-    ) -> Step {
-        let Some(own) = self.lines_of(at.blocker) else {
-            if !piece.is_thin() {
-                sum.visible(&Piece::of(self.seen, piece));
-            }
-            return Step::Done;
-        };
-        if at.line == 0 {
-            match overlap(own, piece, [&mut *inner, &mut *outer]) {
-                Ok(Overlap::Apart) => {
-                    *at = at.next_blocker();
-                    return Step::Same;
-                }
-                Ok(Overlap::Covered) => return Step::Done,
-                Ok(Overlap::Hidden(part)) => {
-                    let last = at.next_blocker().blocker == self.ends.len();
-                    let hidden = Piece::of(self.seen, part);
-                    if last && sum.difference(&Piece::of(self.seen, piece), &hidden) {
-                        return Step::Done;
-                    }
-                }
-                Err(Full) => {
-                    sum.unresolved(&Piece::of(self.seen, piece));
-                    return Step::Done;
-                }
-            }
-        }
-        let Some(line) = own.get(at.line) else {
-            return Step::Done; // inside of all lines: hidden
-        };
-        match piece.side(line) {
-            Side::Inside => *at = at.next_line(),
-            Side::Outside => *at = at.next_blocker(),
-            Side::On => return Step::Done,
-            Side::Both if piece.split(line, inner, outer).is_ok() => return Step::Split,
-            Side::Both => {
-                sum.unresolved(&Piece::of(self.seen, piece));
-                return Step::Done;
-            }
-        }
-        Step::Same
-    }
-}
-
-/// How a piece lies to the inside of all lines.
-#[inline]
-fn overlap<'a, N: Floating, const VERTICES: usize>(
-    lines: &[Line<N>],
-    piece: &Polygon<N, VERTICES>,
-    buffers: [&'a mut Polygon<N, VERTICES>; 2],
-) -> Result<Overlap<'a, N, VERTICES>, Full> {
-    for line in lines {
-        match piece.side(line) {
-            Side::Outside => return Ok(Overlap::Apart),
-            // Within rounding of a line nothing is known: no light leaks
-            // through pieces that no line can tell from itself.
-            Side::On => return Ok(Overlap::Covered),
-            Side::Inside | Side::Both => {}
-        }
-    }
-    let [mut common, mut spare] = buffers;
-    let mut cut = false;
-    for line in lines {
-        let from = if cut { &*common } else { piece };
-        match from.side(line) {
-            Side::Inside => {}
-            Side::Outside | Side::On => return Ok(Overlap::Apart),
-            Side::Both => {
-                from.clip(line, spare)?;
-                swap(&mut common, &mut spare);
-                cut = true;
-            }
-        }
-    }
-    Ok(if cut {
-        Overlap::Hidden(common)
-    } else {
-        Overlap::Covered
-    })
-}
-
-/// The sum of form factors.
-struct FormFactor<N, R> {
-    /// That of the whole target, where it is known.
-    whole: Option<N>,
-    visible: N,
-    unresolved: N,
-    root: PhantomData<R>,
-}
-
-impl<N: Floating, R: Root<N> + Copy> Sum<N> for FormFactor<N, R> {
-    fn visible(&mut self, piece: &Piece<'_, N>) {
-        self.visible = self.visible + piece.form_factor::<R>();
-    }
-
-    fn unresolved(&mut self, piece: &Piece<'_, N>) {
-        self.unresolved = self.unresolved + piece.form_factor::<R>();
-    }
-
-    fn difference(&mut self, piece: &Piece<'_, N>, hidden: &Piece<'_, N>) -> bool {
-        let all = match self.whole {
-            Some(whole) if piece.is_whole() => whole,
-            _ => piece.form_factor::<R>(),
-        };
-        let part = hidden.form_factor::<R>();
-        let clear = part < all * N::of(0.75);
-        if clear {
-            self.visible = self.visible + (all - part);
-        }
-        clear
     }
 }
 
