@@ -27,6 +27,18 @@ pub(super) enum Side {
     Both,
 }
 
+impl Side {
+    #[inline(always)]
+    fn of(any_inside: bool, any_outside: bool) -> Self {
+        match (any_inside, any_outside) {
+            (false, false) => Self::On,
+            (false, true) => Self::Outside,
+            (true, false) => Self::Inside,
+            (true, true) => Self::Both,
+        }
+    }
+}
+
 /// A part has more corners than its buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Full;
@@ -127,12 +139,7 @@ impl<N: Floating, const VERTICES: usize> Polygon<N, VERTICES> {
             any_inside |= height > tolerance;
             any_outside |= height < -tolerance;
         }
-        match (any_inside, any_outside) {
-            (false, false) => Side::On,
-            (false, true) => Side::Outside,
-            (true, false) => Side::Inside,
-            (true, true) => Side::Both,
-        }
+        Side::of(any_inside, any_outside)
     }
 
     /// The parts inside and outside of a line that has corners on both sides.
@@ -157,16 +164,21 @@ impl<N: Floating, const VERTICES: usize> Polygon<N, VERTICES> {
         })
     }
 
-    /// The part inside alone.
+    /// The part inside alone, and on which side of the line the polygon is: a
+    /// part only where it is on both.
     #[inline]
-    pub(super) fn clip(&self, line: &Line<N>, inside: &mut Self) -> Result<(), Full> {
+    pub(super) fn clip(&self, line: &Line<N>, inside: &mut Self) -> Result<Side, Full> {
         inside.clear();
+        let (mut any_inside, mut any_outside) = (false, false);
         self.walk(line, line.tolerance(), |corner| {
+            any_inside |= corner.inside && !corner.outside;
+            any_outside |= corner.outside && !corner.inside;
             if corner.inside {
                 inside.push(corner.place, corner.inner_horizon)?;
             }
             Ok(())
-        })
+        })?;
+        Ok(Side::of(any_inside, any_outside))
     }
 
     /// The part above the horizon, with the edge along it marked. Exact: the
