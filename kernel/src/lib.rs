@@ -18,8 +18,8 @@
 //! * No NaN leaves a public function.
 //! * The same tables give the same bits on every target: no fused operation,
 //!   no `f32::min`/`max`, no function of the platform's own math library.
-//! * Features only add. The kernel does **not** know files, units beyond SI,
-//!   occlusion or colour; a scene that needs those is refused by the host.
+//! * Features only add. The kernel does **not** know files or units
+//!   beyond SI.
 //!
 //! # Rooms
 //!

@@ -54,35 +54,37 @@ where
     Receiver::new::<SoftRoot>(number(place), number(normal)).expect("a receiver")
 }
 
-/// The unoccluded form factor of a target by its own frame.
+/// The vertices of a target by its own frame.
+pub(crate) fn vertices<N: Floating>(emitter: &Emitter) -> Vec<[N; 3]> {
+    let target = emitter.target();
+    let number = |x: f32| N::of(f64::from(x));
+    let [first, second] = target.axes;
+    let corner = |&[a, b]: &[f32; 2]| {
+        std::array::from_fn(|i| {
+            number(target.origin[i]) + number(first[i]) * number(a) + number(second[i]) * number(b)
+        })
+    };
+    target.corners.iter().map(corner).collect()
+}
+
+/// The unoccluded form factor of a target; 0 for places on its own plane.
 pub(crate) fn unoccluded<N: Floating>(receiver: &Receiver<N>, emitter: &Emitter) -> N
 where
     SoftRoot: Root<N>,
 {
-    let target = emitter.target();
     let number = |x: f32| N::of(f64::from(x));
-    let [first, second] = target.axes;
-    let vertices: Vec<[N; 3]> = target
-        .corners
-        .iter()
-        .map(|&[a, b]| {
-            std::array::from_fn(|i| {
-                number(target.origin[i])
-                    + number(first[i]) * number(a)
-                    + number(second[i]) * number(b)
-            })
-        })
-        .collect();
+    let target = emitter.target();
     let plane = Plane {
         normal: target.normal.map(number).into(),
         point: target.origin.map(number).into(),
     };
+    let vertices = vertices(emitter);
     of_loops::<Best<SoftRoot>, N>(receiver, &plane, std::iter::once(Outline::new(&vertices)))
 }
 
 impl Lit {
     pub(crate) fn new(scene: &Scene) -> Self {
-        let mut occlusion = Occlusion::of(scene, []).expect("room");
+        let mut occlusion = Occlusion::of(scene).expect("room");
         let mut emitters = Vec::new();
         for surface in &scene.surfaces {
             if surface.emits() {

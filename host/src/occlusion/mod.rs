@@ -35,9 +35,8 @@ impl std::error::Error for TooLarge {}
 #[derive(Clone, Debug)]
 pub struct Occlusion {
     shapes: Vec<Shape>,
-    /// The places of the scene: its vertices, and where receivers may be
-    /// besides.
-    places: Vec<DVec3>,
+    /// Where receivers are, as far as that is known.
+    receivers: Option<Vec<DVec3>>,
     flat: f64,
     occluders: Vec<Occluder>,
     faces: Vec<Face>,
@@ -92,22 +91,33 @@ fn rounded_up(radius: f64, slack: f64) -> f32 {
 }
 
 impl Occlusion {
-    /// All occluders of a scene, for receivers within the convex hull of its
-    /// surfaces, its named points and `places`.
+    /// All occluders of a scene, for receivers anywhere.
     ///
     /// # Errors
     /// [`TooLarge`] where there are too many vertices.
-    pub fn of(scene: &Scene, places: impl IntoIterator<Item = DVec3>) -> Result<Self, TooLarge> {
+    pub fn of(scene: &Scene) -> Result<Self, TooLarge> {
+        Self::new(scene, None)
+    }
+
+    /// As [`of`](Self::of), for receivers within the convex hull of `places`:
+    /// what cannot come between these and an emitter, such as the walls of a
+    /// convex room, is on no list.
+    ///
+    /// # Errors
+    /// [`TooLarge`] where there are too many vertices.
+    pub fn for_receivers_within(
+        scene: &Scene,
+        places: impl IntoIterator<Item = DVec3>,
+    ) -> Result<Self, TooLarge> {
+        Self::new(scene, Some(places.into_iter().collect()))
+    }
+
+    fn new(scene: &Scene, receivers: Option<Vec<DVec3>>) -> Result<Self, TooLarge> {
         let largest = scene.largest_coordinate();
         let (flat, weld) = (PLANE_TOLERANCE * largest, f64::from(f32::EPSILON) * largest);
-        let surfaces = scene
-            .surfaces
-            .iter()
-            .flat_map(|s| s.vertices.iter().copied());
-        let points = scene.points.iter().map(|point| point.position);
         let mut occlusion = Self {
             shapes: Vec::new(),
-            places: surfaces.chain(points).chain(places).collect(),
+            receivers,
             flat,
             occluders: Vec::new(),
             faces: Vec::new(),
@@ -226,8 +236,8 @@ impl Occlusion {
                 clear |= 1 << bit;
             }
         }
-        if let ([face], true) = (faces, shape.is_polygon()) {
-            let (lowest, highest) = range(face, &self.places);
+        if let ([face], Some(receivers)) = (faces, &self.receivers) {
+            let (lowest, highest) = range(face, receivers);
             let no_front = highest <= self.flat || clear & Blocker::FRONT != 0;
             let no_back = lowest >= -self.flat || clear & Blocker::BACK != 0;
             if no_front && no_back {

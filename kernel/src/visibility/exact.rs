@@ -10,11 +10,13 @@
 //! twice.
 
 use super::line::Line;
+use super::pieces::{FormFactor, Piece, Seen, Sum};
 use super::polygon::{Full, Polygon, Side};
 use super::records::{Blocker, Occluders, Target};
+use super::subtract::{Kept, Place, Step, Waiting};
 use super::view::{Shadow, View, number};
 use super::{Bracket, Capacities, Looked, Visibility};
-use crate::form_factor::{SeenPlane, of_clipped};
+use crate::form_factor::SeenPlane;
 use crate::geometry::{Receiver, Vector};
 use crate::number::{Floating, Root};
 use core::marker::PhantomData;
@@ -51,16 +53,6 @@ pub struct Exact<
     scratch: [Polygon<N, VERTICES>; 3],
 }
 
-/// A piece that waits until those outside of it are done.
-#[derive(Clone, Debug)]
-struct Waiting<N, const VERTICES: usize> {
-    piece: Polygon<N, VERTICES>,
-    /// The blocker to go on with.
-    blocker: usize,
-    /// The line to go on with: the piece is inside of those before.
-    line: usize,
-}
-
 /// What [`Exact::gather`] found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -75,96 +67,6 @@ pub enum Gathered {
     /// The target has more corners than `VERTICES` holds: nothing is known but
     /// 0 ≤ F ≤ the unoccluded form factor.
     Overflow,
-}
-
-/// A convex visible piece of a target.
-#[derive(Clone, Copy, Debug)]
-pub struct Piece<'a, N> {
-    seen: &'a SeenPlane<N>,
-    corners: &'a [[N; 2]],
-    horizon: Option<usize>,
-}
-
-impl<'a, N: Floating> Piece<'a, N> {
-    fn of<const VERTICES: usize>(
-        seen: &'a SeenPlane<N>,
-        polygon: &'a Polygon<N, VERTICES>,
-    ) -> Self {
-        Self {
-            seen,
-            corners: polygon.corners(),
-            horizon: polygon.horizon(),
-        }
-    }
-
-    /// Its corners (a, b) in the target's frame, counter-clockwise seen from
-    /// the emitting side.
-    pub fn corners(&self) -> &'a [[N; 2]] {
-        self.corners
-    }
-
-    /// The corner at which the edge along the receiver's horizon begins.
-    pub fn horizon(&self) -> Option<usize> {
-        self.horizon
-    }
-
-    /// The target's plane as the receiver sees it.
-    pub fn plane(&self) -> &'a SeenPlane<N> {
-        self.seen
-    }
-
-    /// Its form factor, F ≥ 0.
-    pub fn form_factor<R: Root<N> + Copy>(&self) -> N {
-        of_clipped::<N, R>(self.seen, self.corners, self.horizon)
-    }
-}
-
-/// What a fold over the visible pieces adds up.
-pub trait Sum<N> {
-    /// A piece that is seen.
-    fn visible(&mut self, piece: &Piece<'_, N>);
-
-    /// A piece of which it is not known whether it is seen: a bound was met.
-    fn unresolved(&mut self, piece: &Piece<'_, N>);
-
-    /// `piece` without its part `hidden` is seen: adds the difference and says
-    /// `true`, or says `false` and gets it in pieces.
-    ///
-    /// One difference costs less than the pieces, but cancels where little is
-    /// left.
-    fn difference(&mut self, piece: &Piece<'_, N>, hidden: &Piece<'_, N>) -> bool {
-        let _ = (piece, hidden);
-        false
-    }
-}
-
-/// What a fold found.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen<S> {
-    /// The sum over the pieces that are seen.
-    pub visible: S,
-    /// The sum over the pieces of which it is not known.
-    pub unresolved: S,
-    /// How many pieces that are.
-    pub pieces: u32,
-    /// How many blockers did not fit: what they hide is counted as seen.
-    pub left_out: u32,
-}
-
-impl<S> Seen<S> {
-    /// Whether all is known.
-    pub fn is_complete(&self) -> bool {
-        self.pieces == 0 && self.left_out == 0
-    }
-}
-
-/// How a piece lies to a blocker.
-enum Overlap<'a, N, const VERTICES: usize> {
-    Apart,
-    /// Nothing of the piece is seen.
-    Covered,
-    /// This part of the piece is not seen.
-    Hidden(&'a Polygon<N, VERTICES>),
 }
 
 impl<
@@ -213,7 +115,7 @@ impl<
         };
         self.seen = view.seen;
         match self.above_horizon(&view, target) {
-            Ok(Side::Outside) => return Gathered::Dark,
+            Ok(Side::Outside | Side::On) => return Gathered::Dark,
             Ok(_) => {}
             Err(Full) => return Gathered::Overflow,
         }
@@ -264,7 +166,7 @@ impl<
             match whole.side(line) {
                 // A line that has all of the target inside cuts nothing off.
                 Side::Inside => {}
-                Side::Outside => apart = true,
+                Side::Outside | Side::On => apart = true,
                 Side::Both => {
                     cuts = true;
                     full |= lines.push(*line).is_err();
@@ -326,78 +228,39 @@ impl<
 
     /// As [`fold`](Self::fold), for a sum that can also take differences.
     pub fn add_to(&mut self, sum: &mut impl Sum<N>) {
-        let seen = &self.seen;
-        let (lines, ends) = (self.lines.as_slice(), self.ends.as_slice());
+        let kept = Kept {
+            seen: &self.seen,
+            lines: &self.lines,
+            ends: &self.ends,
+        };
         let [piece, outer, inner] = &mut self.scratch;
         let (mut piece, mut outer) = (piece, outer);
         self.waiting.clear();
         piece.copy_from(&self.whole);
-        let (mut blocker, mut line) = (0_usize, 0_usize);
+        let mut at = Place::default();
         loop {
-            let Some(own) = lines_of(lines, ends, blocker) else {
-                sum.visible(&Piece::of(seen, piece));
-                let Some(next) = self.waiting.pop() else {
-                    return;
-                };
-                piece.copy_from(&next.piece);
-                (blocker, line) = (next.blocker, next.line);
-                continue;
-            };
-            let next = blocker.wrapping_add(1);
-            let mut done = false;
-            if line == 0 {
-                match overlap(own, piece, [&mut *inner, &mut *outer]) {
-                    Ok(Overlap::Apart) => {
-                        blocker = next;
-                        continue;
-                    }
-                    Ok(Overlap::Covered) => done = true,
-                    Ok(Overlap::Hidden(part)) => {
-                        done = next == ends.len()
-                            && sum.difference(&Piece::of(seen, piece), &Piece::of(seen, part));
-                    }
-                    Err(Full) => {
-                        sum.unresolved(&Piece::of(seen, piece));
-                        done = true;
-                    }
-                }
-            }
-            if !done {
-                match own.get(line) {
-                    // Inside of all lines: hidden.
-                    None => done = true,
-                    Some(cut) => match piece.side(cut) {
-                        Side::Inside => line = line.wrapping_add(1),
-                        Side::Outside => (blocker, line) = (next, 0),
-                        Side::Both => {
-                            if piece.split(cut, inner, outer).is_err() {
-                                sum.unresolved(&Piece::of(seen, piece));
-                                done = true;
-                            } else {
-                                let line_after = line.wrapping_add(1);
-                                if line_after < own.len() {
-                                    let waiting = Waiting {
-                                        piece: inner.clone(),
-                                        blocker,
-                                        line: line_after,
-                                    };
-                                    if self.waiting.push(waiting).is_err() {
-                                        sum.unresolved(&Piece::of(seen, inner));
-                                    }
-                                }
-                                swap(&mut piece, &mut outer);
-                                (blocker, line) = (next, 0);
-                            }
+            match kept.step(&mut at, piece, [&mut *inner, &mut *outer], sum) {
+                Step::Same => {}
+                Step::Split => {
+                    if at.line.wrapping_add(1) < kept.lines_of(at.blocker).map_or(0, <[_]>::len) {
+                        let waiting = Waiting {
+                            piece: inner.clone(),
+                            at: at.next_line(),
+                        };
+                        if self.waiting.push(waiting).is_err() {
+                            sum.unresolved(&Piece::of(kept.seen, inner));
                         }
-                    },
+                    }
+                    swap(&mut piece, &mut outer);
+                    at = at.next_blocker();
                 }
-            }
-            if done {
-                let Some(next) = self.waiting.pop() else {
-                    return;
-                };
-                piece.copy_from(&next.piece);
-                (blocker, line) = (next.blocker, next.line);
+                Step::Done => {
+                    let Some(next) = self.waiting.pop() else {
+                        return;
+                    };
+                    piece.copy_from(&next.piece);
+                    at = next.at;
+                }
             }
         }
     }
@@ -407,7 +270,13 @@ impl<
     /// Error: that of [`Best`](crate::form_factor::Best) on the whole target,
     /// and 1e-6 of its form factor.
     pub fn form_factor<R: Root<N> + Copy>(&mut self) -> Bracket<N> {
+        self.bracket::<R>(None)
+    }
+
+    /// The same, with the form factor of the whole target where it is known.
+    fn bracket<R: Root<N> + Copy>(&mut self, whole: Option<N>) -> Bracket<N> {
         let mut sum = FormFactor::<N, R> {
+            whole,
             visible: N::ZERO,
             unresolved: N::ZERO,
             root: PhantomData,
@@ -436,74 +305,6 @@ impl<
     }
 }
 
-/// The lines of one blocker; `None` behind the last.
-#[inline(always)]
-fn lines_of<'a, N>(lines: &'a [Line<N>], ends: &[u16], blocker: usize) -> Option<&'a [Line<N>]> {
-    let end = usize::from(*ends.get(blocker)?);
-    let start = match blocker.checked_sub(1) {
-        Some(before) => usize::from(*ends.get(before)?),
-        None => 0,
-    };
-    lines.get(start..end)
-}
-
-/// How a piece lies to the inside of all lines.
-#[inline]
-fn overlap<'a, N: Floating, const VERTICES: usize>(
-    lines: &[Line<N>],
-    piece: &Polygon<N, VERTICES>,
-    buffers: [&'a mut Polygon<N, VERTICES>; 2],
-) -> Result<Overlap<'a, N, VERTICES>, Full> {
-    if lines.iter().any(|line| piece.side(line) == Side::Outside) {
-        return Ok(Overlap::Apart);
-    }
-    let [mut common, mut spare] = buffers;
-    let mut cut = false;
-    for line in lines {
-        let from = if cut { &*common } else { piece };
-        match from.side(line) {
-            Side::Inside => {}
-            Side::Outside => return Ok(Overlap::Apart),
-            Side::Both => {
-                from.clip(line, spare)?;
-                swap(&mut common, &mut spare);
-                cut = true;
-            }
-        }
-    }
-    Ok(if cut {
-        Overlap::Hidden(common)
-    } else {
-        Overlap::Covered
-    })
-}
-
-/// The sum of form factors.
-struct FormFactor<N, R> {
-    visible: N,
-    unresolved: N,
-    root: PhantomData<R>,
-}
-
-impl<N: Floating, R: Root<N> + Copy> Sum<N> for FormFactor<N, R> {
-    fn visible(&mut self, piece: &Piece<'_, N>) {
-        self.visible = self.visible + piece.form_factor::<R>();
-    }
-
-    fn unresolved(&mut self, piece: &Piece<'_, N>) {
-        self.unresolved = self.unresolved + piece.form_factor::<R>();
-    }
-
-    fn difference(&mut self, piece: &Piece<'_, N>, hidden: &Piece<'_, N>) -> bool {
-        let (all, part) = (piece.form_factor::<R>(), hidden.form_factor::<R>());
-        let clear = part < all * N::of(0.75);
-        if clear {
-            self.visible = self.visible + (all - part);
-        }
-        clear
-    }
-}
-
 impl<
     const VERTICES: usize,
     const PIECES: usize,
@@ -523,7 +324,10 @@ impl<
         match self.gather(receiver, target, occluders, blockers) {
             Gathered::Dark => Bracket::exactly(N::ZERO),
             Gathered::Whole => Bracket::exactly(unoccluded()),
-            Gathered::Partly => Exact::form_factor::<R>(self).at_most(unoccluded()),
+            Gathered::Partly => {
+                let whole = unoccluded();
+                self.bracket::<R>(Some(whole)).at_most(whole)
+            }
             Gathered::Overflow => Bracket {
                 low: N::ZERO,
                 high: unoccluded(),

@@ -14,7 +14,7 @@ pub(super) struct Line<N> {
 
 /// Unit roundoff of the number, 2⁻ᵖ.
 #[inline(always)]
-fn unit_roundoff<N: Floating>() -> N {
+pub(super) fn unit_roundoff<N: Floating>() -> N {
     let half = N::SPLITTER - N::ONE;
     N::ONE / (half * half)
 }
@@ -37,7 +37,7 @@ impl<N: Floating> Line<N> {
         self.constant + (along_a * a + along_b * b)
     }
 
-    /// The height within which a corner counts as on the line, 16 u Σ|c|.
+    /// The height within which a corner counts as on the line, 8 u Σ|c|.
     ///
     /// Rounding moves a height by at most 4 u Σ|c|; what two occluders share
     /// then counts as on both of their lines, and no light leaks between.
@@ -45,7 +45,7 @@ impl<N: Floating> Line<N> {
     pub(super) fn tolerance(&self) -> N {
         let [along_a, along_b] = self.slopes;
         let size = self.constant.abs() + along_a.abs() + along_b.abs();
-        N::of(16.0) * unit_roundoff::<N>() * size
+        N::of(8.0) * unit_roundoff::<N>() * size
     }
 }
 

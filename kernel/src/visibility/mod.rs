@@ -34,12 +34,15 @@
 
 mod exact;
 mod line;
+mod pieces;
 mod polygon;
 mod rays;
 pub mod records;
+mod subtract;
 mod view;
 
-pub use exact::{Exact, Gathered, Piece, Seen, Sum};
+pub use exact::{Exact, Gathered};
+pub use pieces::{Piece, Seen, Sum};
 pub use rays::VertexRays;
 
 use crate::geometry::Receiver;

@@ -37,6 +37,8 @@ mod entries {
     use isolux::scene::records::{self, Counts, Emitter, Surface};
     use isolux::scene::{Scene, required_bytes};
     use isolux::shoot::{self, Solved, Stop};
+    use isolux::visibility::records::{Blocker, Occluders, Target};
+    use isolux::visibility::{Bracket, Exact, Gathered, VertexRays, Visibility};
     use isolux::{Error, budget};
 
     use crate::root::Chosen;
@@ -57,6 +59,8 @@ mod entries {
     type Light<'t, A> = shoot::Light<'t, A, 64, 16>;
     type BestLight<'t> = Light<'t, Best<Chosen>>;
     type LibmLight<'t> = Light<'t, Libm<Chosen>>;
+
+    type Workspace = Exact<8, 4, 24, 6>;
 
     /// Defines each entry, and `keep`, which hands their addresses to nobody
     /// knows whom.
@@ -225,6 +229,24 @@ mod entries {
         }
         fn isolux_entry_cone(places: &[[f32; 2]], values: &[f32], place: [f32; 2], radius: f32) -> Option<Filtered<f32>> {
             resample::cone::<Chosen, f32>(places, values, place, radius)
+        }
+
+        fn isolux_entry_visibility_gather(exact: &mut Workspace, receiver: &Receiver<f32>, target: &Target<'static>, occluders: &Occluders<'static>, blockers: &[Blocker]) -> Gathered {
+            exact.gather(receiver, target, occluders, blockers.iter().copied())
+        }
+        fn isolux_entry_visibility_fold(exact: &mut Workspace) -> (f32, f32) {
+            let seen = exact.fold(0.0, |sum, piece| {
+                *sum += piece.corners().fold(0.0, |sum, [a, b]| sum + a * b);
+            });
+            (seen.visible, seen.unresolved)
+        }
+        fn isolux_entry_visibility_exact(exact: &mut Workspace, receiver: &Receiver<f32>, target: &Target<'static>, occluders: &Occluders<'static>, blockers: &[Blocker], whole: f32) -> Bracket<f32> {
+            let blockers = blockers.iter().copied();
+            Visibility::form_factor::<Chosen>(exact, receiver, target, occluders, blockers, || whole)
+        }
+        fn isolux_entry_visibility_vertex_rays(receiver: &Receiver<f32>, target: &Target<'static>, occluders: &Occluders<'static>, blockers: &[Blocker], whole: f32) -> Bracket<f32> {
+            let blockers = blockers.iter().copied();
+            VertexRays.form_factor::<Chosen>(receiver, target, occluders, blockers, || whole)
         }
 
         #[cfg(feature = "bad")]
