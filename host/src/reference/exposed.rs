@@ -58,9 +58,11 @@ pub(super) fn exposed(scene: &Scene) -> Result<Vec<Exposed>, Error> {
 fn axes(surface: &Surface) -> [DVec3; 2] {
     let count = surface.vertices.len();
     let edge = |index: usize| surface.vertices[(index + 1) % count] - surface.vertices[index];
-    let longest = (0..count)
-        .map(edge)
-        .fold(DVec3::ZERO, |a, b| if b.length() > a.length() { b } else { a });
+    let longest =
+        (0..count).map(edge).fold(
+            DVec3::ZERO,
+            |a, b| if b.length() > a.length() { b } else { a },
+        );
     let first = longest.normalize_or_zero();
     [first, surface.normal.cross(first)]
 }
@@ -102,14 +104,18 @@ fn split(parts: &mut Vec<Loop>, surface: &Surface, neighbour: &Surface, toleranc
     let count = neighbour.vertices.len();
     for index in 0..count {
         let ends = [index, (index + 1) % count].map(|i| neighbour.vertices[i]);
-        if ends.iter().any(|end| height(surface, *end).abs() > tolerance) {
+        if ends
+            .iter()
+            .any(|end| height(surface, *end).abs() > tolerance)
+        {
             continue;
         }
         let across = surface.normal.cross(ends[1] - ends[0]).normalize_or_zero();
         let mut split = Vec::with_capacity(parts.len() + 1);
         for part in parts.drain(..) {
             let (inside, outside) = convex::cut(&part, across, across.dot(ends[0]), tolerance);
-            let divides = inside.len() >= 3 && outside.len() >= 3 && meets(&part, ends, surface, tolerance);
+            let divides =
+                inside.len() >= 3 && outside.len() >= 3 && meets(&part, ends, surface, tolerance);
             if divides {
                 split.push(inside);
                 split.push(outside);

@@ -177,14 +177,18 @@ impl Gather<'_> {
             let kernel =
                 area * plane.height * receiver.normal.dot(place).max(0.0) / (square * square);
             let terms = frame.terms(place + offset);
-            own.iter_mut().zip(terms).for_each(|(o, t)| *o += kernel * t);
+            own.iter_mut()
+                .zip(terms)
+                .for_each(|(o, t)| *o += kernel * t);
         });
         let mut correction = 1.0;
         if radius > CORRECTED * apart && own[0] > 0.0 {
             let exact = PI * form_factor_signed(DVec3::ZERO, receiver.normal, polygon);
             correction = exact.max(0.0) / own[0];
         }
-        sum.iter_mut().zip(own).for_each(|(s, o)| *s += correction * o);
+        sum.iter_mut()
+            .zip(own)
+            .for_each(|(s, o)| *s += correction * o);
     }
 }
 

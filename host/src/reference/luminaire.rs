@@ -71,7 +71,8 @@ impl Luminaire {
             };
             free &= blockers.is_empty();
             let fragments = sight.fragments(polygon, &blockers);
-            let factor = |fragment: &Loop| form_factor_signed(DVec3::ZERO, receiver.normal, fragment);
+            let factor =
+                |fragment: &Loop| form_factor_signed(DVec3::ZERO, receiver.normal, fragment);
             sum += fragments.iter().map(factor).sum::<f64>();
         }
         // Nothing in between: the polygon as it is, in its own coordinates.

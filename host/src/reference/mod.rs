@@ -15,6 +15,7 @@
 //! A point within rounding of a surface's plane, or behind it, receives
 //! nothing from that surface.
 
+mod cache;
 mod cell;
 mod convex;
 mod exposed;
@@ -26,6 +27,8 @@ mod parallel;
 mod partition;
 mod patch;
 mod polynomial;
+mod probes;
+mod refine;
 mod request;
 mod room;
 mod rule;
@@ -35,6 +38,7 @@ mod tree;
 mod visible;
 
 use std::fmt;
+use std::path::Path;
 
 use glam::DVec3;
 
@@ -63,16 +67,16 @@ pub struct Reference {
     /// Light reflected once, for each channel, where nothing occludes.
     open: Vec<Open>,
     channels: usize,
-    reflections: usize,
-    accuracy: f64,
+    /// Whether the light asked for needs the room solved.
+    needs_room: bool,
 }
 
 impl fmt::Debug for Reference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Reference")
             .field("channels", &self.channels)
-            .field("reflections", &self.reflections)
-            .field("accuracy", &self.accuracy)
+            .field("reflections", &self.reflections())
+            .field("accuracy", &self.accuracy())
             .finish_non_exhaustive()
     }
 }
@@ -83,24 +87,56 @@ impl Reference {
     ///
     /// `progress` is told the done share, 0 to 1. Direct light is ready at
     /// once; reflected light takes up to a minute and a matrix of up to 576 MB
-    /// where something occludes or light is reflected more than once.
+    /// where something occludes or light is reflected more than once. Such a
+    /// solution is kept in the user's cache directory, or in the one that
+    /// the environment variable `ISOLUX_CACHE` names, and found there the
+    /// next time.
     ///
     /// # Errors
     ///
     /// [`Error`] where a fraction makes no sense, a polygon crosses itself,
-    /// or the light does not die out.
+    /// there are too many surfaces, or the light does not die out.
     pub fn new(
         scene: &Scene,
         reflections: Reflections,
         progress: &mut dyn FnMut(f64),
     ) -> Result<Self, Error> {
-        Self::to_within(scene, reflections, AGREEMENT, progress)
+        match cache::directory() {
+            Some(directory) => Self::kept_in(&directory, scene, reflections, progress),
+            None => Self::to_within(scene, reflections, AGREEMENT, progress),
+        }
+    }
+
+    /// As [`Reference::new`] with the solution kept in `directory`, which is made
+    /// if need be. The same bits, found or solved.
+    ///
+    /// # Errors
+    ///
+    /// As [`Reference::new`]; a directory that cannot be used is none.
+    pub fn kept_in(
+        directory: &Path,
+        scene: &Scene,
+        reflections: Reflections,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Self, Error> {
+        let mut reference = Self::begin(scene, reflections, progress)?;
+        if reference.needs_room {
+            let key = cache::Key::new(scene, reflections);
+            if !cache::load(directory, &key, &mut reference.room) {
+                // Of a file that does not fit something may have been put in.
+                reference.room = Room::new(scene, reference.channels)?;
+                reference.room.solve(reflections, AGREEMENT, progress)?;
+                cache::store(directory, key, &reference.room);
+            }
+        }
+        progress(1.0);
+        Ok(reference)
     }
 
     /// As [`Reference::new`], refining until two meshes agree to within
     /// `agreement` (relative, root of the mean square over points spread over
-    /// the scene) instead of 0.1 %. A large one is quick and rough; light that
-    /// needs no mesh is exact whatever it is.
+    /// the scene) instead of 0.1 %, and kept nowhere. A large one is quick and
+    /// rough; light that needs no mesh is exact whatever it is.
     ///
     /// # Errors
     ///
@@ -111,38 +147,44 @@ impl Reference {
         agreement: f64,
         progress: &mut dyn FnMut(f64),
     ) -> Result<Self, Error> {
+        let mut reference = Self::begin(scene, reflections, progress)?;
+        if reference.needs_room {
+            reference.room.solve(reflections, agreement, progress)?;
+        }
+        progress(1.0);
+        Ok(reference)
+    }
+
+    /// All that takes no time.
+    fn begin(
+        scene: &Scene,
+        reflections: Reflections,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Self, Error> {
         if let Reflections::UntilUnshot(fraction) = reflections
             && (fraction.is_nan() || fraction <= 0.0)
         {
             return Err(Error::Fraction(fraction));
         }
+        progress(0.0);
         let needs = requirements(scene);
         let mut reference = Self {
             room: Room::new(scene, needs.channels)?,
             open: Vec::new(),
             channels: needs.channels,
-            reflections: 0,
-            accuracy: PROMISED,
+            needs_room: false,
         };
-        progress(0.0);
         match reflections {
             Reflections::AtMost(0) => {}
             Reflections::AtMost(1) if needs.visibility.is_none() => {
                 let channels = 0..needs.channels;
-                let open: Result<Vec<Open>, Error> = channels.map(|c| Open::new(scene, c)).collect();
-                let open = open?;
-                if open.iter().any(|open| open.unshot() > 0.0) {
-                    reference.reflections = 1;
-                    reference.open = open;
-                }
+                let open: Result<Vec<Open>, Error> =
+                    channels.map(|channel| Open::new(scene, channel)).collect();
+                reference.open = open?;
+                reference.open.retain(|open| open.unshot() > 0.0);
             }
-            _ => {
-                reference.room.solve(reflections, agreement, progress)?;
-                reference.reflections = reference.room.reflections;
-                reference.accuracy = reference.room.accuracy;
-            }
+            _ => reference.needs_room = true,
         }
-        progress(1.0);
         Ok(reference)
     }
 
@@ -172,10 +214,14 @@ impl Reference {
         } else {
             self.room.direct(&receiver)
         };
-        for (light, open) in light.iter_mut().zip(&self.open) {
-            *light += open.reflected(&receiver);
+        for open in &self.open {
+            light[open.channel] += open.reflected(&receiver);
         }
-        if self.channels == 1 { [light[0]; 3] } else { light }
+        if self.channels == 1 {
+            [light[0]; 3]
+        } else {
+            light
+        }
     }
 
     /// [`Reference::irradiance`] at many points (position, normal), on all
@@ -200,7 +246,11 @@ impl Reference {
     /// How often the counted light is reflected at most.
     #[must_use]
     pub fn reflections(&self) -> usize {
-        self.reflections
+        if self.open.is_empty() {
+            self.room.reflections
+        } else {
+            1
+        }
     }
 
     /// The relative error of an irradiance.
@@ -212,6 +262,6 @@ impl Reference {
     /// root of the mean square over points spread over the reflecting surfaces.
     #[must_use]
     pub fn accuracy(&self) -> f64 {
-        self.accuracy
+        self.room.accuracy
     }
 }

@@ -29,7 +29,8 @@ const TOLERANCE: f64 = 1e-11;
 /// The surfaces under direct light.
 pub(super) struct Open {
     luminaires: Vec<Luminaire>,
-    channel: usize,
+    /// The channel.
+    pub(super) channel: usize,
     rule: Rule,
     reflectors: Vec<Reflector>,
     kept: AtomicUsize,
@@ -52,7 +53,10 @@ impl Open {
                 normal: surface.normal,
             })
             .collect();
-        let reflecting = scene.surfaces.iter().filter(|s| s.reflectance[channel] > 0.0);
+        let reflecting = scene
+            .surfaces
+            .iter()
+            .filter(|s| s.reflectance[channel] > 0.0);
         let reflectors: Result<Vec<Reflector>, Error> = reflecting
             .map(|surface| {
                 let parts = partition::quadrilaterals(&surface.vertices, surface.normal, &planes);
@@ -64,7 +68,9 @@ impl Open {
                 let origin = open.origin();
                 let cells = surface::with_field(&outline, reflectance, &origin, |field| {
                     let cells = parts.iter();
-                    cells.map(|corners| Cell::evaluate(*corners, field)).collect()
+                    cells
+                        .map(|corners| Cell::evaluate(*corners, field))
+                        .collect()
                 });
                 Ok(Reflector {
                     outline,

@@ -101,7 +101,9 @@ impl Fit {
             for _ in 0..2 {
                 for other in &base {
                     let share = dot(&unit, other);
-                    unit.iter_mut().zip(other).for_each(|(u, o)| *u -= share * o);
+                    unit.iter_mut()
+                        .zip(other)
+                        .for_each(|(u, o)| *u -= share * o);
                 }
             }
             let length = dot(&unit, &unit).sqrt();
@@ -114,7 +116,9 @@ impl Fit {
             let mut row = [0.0; TERMS];
             for polynomial in &base {
                 let share = weight * value(polynomial, terms);
-                row.iter_mut().zip(polynomial).for_each(|(r, p)| *r += share * p);
+                row.iter_mut()
+                    .zip(polynomial)
+                    .for_each(|(r, p)| *r += share * p);
             }
             row
         });
@@ -141,7 +145,11 @@ impl Fit {
     }
 
     /// Root of the mean square by which `values` differ from a polynomial.
-    pub(super) fn residual(&self, polynomial: &Polynomial, values: impl Iterator<Item = f64>) -> f64 {
+    pub(super) fn residual(
+        &self,
+        polynomial: &Polynomial,
+        values: impl Iterator<Item = f64>,
+    ) -> f64 {
         let mut sum = 0.0;
         for ((terms, weight), given) in self.terms.iter().zip(&self.weights).zip(values) {
             sum += weight * (value(polynomial, terms) - given).powi(2);
@@ -176,7 +184,12 @@ mod tests {
         let f = |p: DVec3| 2.0 - p.x + 0.5 * p.y + p.x * p.y - 0.7 * p.x * p.x + p.y * p.y;
         let (large, small) = (square(-1.0, 2.0, 4.0), square(0.3, 2.5, 0.7));
         let places: Vec<(DVec3, f64)> = (0..16)
-            .map(|k| (large[0] + DVec3::new(f64::from(k % 4), f64::from(k / 4) * 0.4, 0.0), 1.0))
+            .map(|k| {
+                (
+                    large[0] + DVec3::new(f64::from(k % 4), f64::from(k / 4) * 0.4, 0.0),
+                    1.0,
+                )
+            })
             .collect();
         let (frame, other) = (Frame::of(&large, axes), Frame::of(&small, axes));
         let fit = Fit::new(&frame, &places);

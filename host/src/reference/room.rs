@@ -13,17 +13,18 @@
 //! Sources: Zatz, "Galerkin Radiosity", SIGGRAPH 1993; Reichert's final
 //! gather; Lambert's contour formula for every visible piece.
 
-use std::collections::BinaryHeap;
 use std::f64::consts::PI;
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::gather::{Gather, Rules};
 use super::luminaire::{self, Luminaire};
 use super::patch::Receiver;
 use super::polynomial::{Fit, Polynomial, TERMS};
+use super::probes;
 use super::rule::Rule;
-use super::transfer::Transfer;
+use super::transfer::{Rows, Transfer};
 use super::tree::{Cell, Role, Tree, places};
 use super::visible::Occluders;
 use super::{Error, Reflections};
@@ -38,8 +39,9 @@ const GROWTH: f64 = 2.5;
 /// Most cells of a mesh; its matrix then takes 576 MB.
 const MOST: usize = 2000;
 
-/// What halving a cell is taken to leave of its error, for each half.
-const HALVED: f64 = 0.2;
+/// Most cells of the first mesh, which scenes of many surfaces need; its
+/// matrix then takes 2.3 GB.
+const MOST_AT_FIRST: usize = 4000;
 
 /// Share of the flux that the projection of direct light may miss on a cell,
 /// on the first mesh.
@@ -52,11 +54,8 @@ const STRICTER: f64 = 0.25;
 /// irradiance of the scene.
 const NEGLIGIBLE: f64 = 1e-5;
 
-/// Points at which two meshes are compared.
-const PROBES: usize = 200;
-
-/// A probe darker than this share of the brightest is compared with that share.
-const DARK: f64 = 1e-3;
+/// Cells between two reports of progress.
+const BATCH: usize = 64;
 
 /// A solved scene.
 pub(super) struct Room {
@@ -77,27 +76,8 @@ pub(super) struct Room {
 /// Irradiance on the mesh, for each cell and channel.
 type OnMesh = Vec<Vec<Polynomial>>;
 
-/// A cell that could be halved, by what that gains.
-#[derive(PartialEq)]
-struct Candidate {
-    error: f64,
-    cell: usize,
-}
-
-impl Eq for Candidate {}
-
-impl Ord for Candidate {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        let by_error = self.error.total_cmp(&other.error);
-        by_error.then(other.cell.cmp(&self.cell))
-    }
-}
-
-impl PartialOrd for Candidate {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
+/// The nodes of a cell of the mesh with their areas, and the fit upon them.
+type Nodes = (Vec<(DVec3, f64)>, Fit);
 
 impl Room {
     /// A scene of which only the direct light is known.
@@ -113,7 +93,10 @@ impl Room {
         Ok(Self {
             occluders: Occluders::new(scene)?,
             luminaires,
-            scale: power.iter().map(|p| p / tree.area.max(f64::MIN_POSITIVE)).collect(),
+            scale: power
+                .iter()
+                .map(|p| p / tree.area.max(f64::MIN_POSITIVE))
+                .collect(),
             power,
             tree,
             rules: Rules::new(),
@@ -138,7 +121,9 @@ impl Room {
                 rules: &self.rules,
             };
             let reflected = gathered(&gather, true);
-            sum.iter_mut().zip(reflected).for_each(|(s, r)| *s += r.max(0.0));
+            sum.iter_mut()
+                .zip(reflected)
+                .for_each(|(s, r)| *s += r.max(0.0));
         }
         sum
     }
@@ -152,22 +137,33 @@ impl Room {
         agreement: f64,
         progress: &mut dyn FnMut(f64),
     ) -> Result<(), Error> {
-        if self.tree.base.is_empty() {
-            let base = self.tree.even(FIRST);
-            self.tree.set_base(base);
+        let base = self.tree.even(FIRST);
+        if base.len() > MOST_AT_FIRST && reflections != Reflections::AtMost(1) {
+            return Err(Error::TooFine {
+                cells: base.len(),
+                most: MOST_AT_FIRST,
+            });
         }
-        let probes = self.probes();
+        self.tree.set_base(base);
+        let probes = probes::spread(&self.tree);
         let mut missed = MISSED;
         let mut before: Option<Vec<[f64; 3]>> = None;
-        for level in 0.. {
-            let errors = self.solve_once(reflections, missed)?;
-            progress(1.0 - 0.5_f64.powi(level + 1));
+        loop {
+            // The work grows as the square of the cells, and the last mesh is
+            // the largest that fits.
+            let cells = self.tree.base.len();
+            let meshes = (MOST as f64 / cells as f64).max(1.0).log(GROWTH).floor();
+            let last = cells as f64 * GROWTH.powf(meshes);
+            let share = (cells as f64 / last).powi(2);
+            let reached = share / (GROWTH * GROWTH - 1.0);
+            let mut tell = |done: f64| progress((reached + share * done).min(1.0));
+            let errors = self.solve_once(reflections, missed, &mut tell)?;
             if self.reflections == 0 {
                 return Ok(());
             }
             let values: Vec<[f64; 3]> = probes.par_iter().map(|probe| self.light(probe)).collect();
             if let Some(before) = &before {
-                self.accuracy = self.disagreement(before, &values);
+                self.accuracy = probes::disagreement(before, &values);
                 if self.accuracy <= agreement {
                     break;
                 }
@@ -178,7 +174,7 @@ impl Room {
                 break;
             }
             missed *= STRICTER;
-            let base = self.finer(&errors, target);
+            let base = self.tree.finer(&errors, target);
             self.tree.set_base(base);
         }
         Ok(())
@@ -186,7 +182,12 @@ impl Room {
 
     /// Solves on the present mesh; returns what the polynomials miss on each
     /// of its cells.
-    fn solve_once(&mut self, reflections: Reflections, missed: f64) -> Result<Vec<f64>, Error> {
+    fn solve_once(
+        &mut self,
+        reflections: Reflections,
+        missed: f64,
+        tell: &mut dyn FnMut(f64),
+    ) -> Result<Vec<f64>, Error> {
         let mut tree = std::mem::replace(&mut self.tree, Tree::empty());
         tree.light(missed, &self.scale, &|receiver| self.direct(receiver));
         self.tree = tree;
@@ -203,7 +204,7 @@ impl Room {
         if reflections == Reflections::AtMost(1) {
             return Ok(vec![0.0; self.tree.base.len()]);
         }
-        let (mut generation, errors) = self.first_generation(&fits);
+        let (mut generation, errors) = self.first_generation(&fits, &mut |done| tell(0.5 * done));
         let mut sum = dark;
         let mut transfer: Option<Transfer> = None;
         while !self.enough(reflections, self.reflections, &generation, &fits) {
@@ -220,7 +221,8 @@ impl Room {
             if reflections == Reflections::AtMost(self.reflections) {
                 break;
             }
-            let transfer = transfer.get_or_insert_with(|| self.transfer(&fits));
+            let transfer = transfer
+                .get_or_insert_with(|| self.transfer(&fits, &mut |done| tell(0.5 + 0.5 * done)));
             generation = transfer.next(&radiance);
         }
         self.tree.add(&sum);
@@ -228,7 +230,7 @@ impl Room {
     }
 
     /// The fit upon the nodes of each cell of the mesh.
-    fn fits(&self) -> Vec<(Vec<(glam::DVec3, f64)>, Fit)> {
+    fn fits(&self) -> Vec<Nodes> {
         let rule = Rule::new(3);
         let cells = self.tree.base.iter().map(|index| &self.tree.cells[*index]);
         cells
@@ -263,7 +265,8 @@ impl Room {
         let cells = self.tree.base.iter().zip(irradiance);
         cells
             .map(|(index, channels)| {
-                let reflectance = self.tree.reflectors[self.tree.cells[*index].reflector].reflectance;
+                let reflectance =
+                    self.tree.reflectors[self.tree.cells[*index].reflector].reflectance;
                 let channels = channels.iter().zip(reflectance);
                 channels
                     .map(|(polynomial, share)| polynomial.map(|c| share / PI * c))
@@ -279,7 +282,7 @@ impl Room {
         reflections: Reflections,
         count: usize,
         generation: &OnMesh,
-        fits: &[(Vec<(glam::DVec3, f64)>, Fit)],
+        fits: &[Nodes],
     ) -> bool {
         let radiance = self.radiance(generation);
         self.power.iter().enumerate().all(|(channel, power)| {
@@ -293,10 +296,9 @@ impl Room {
 
     /// Light reflected once, on the mesh, and what its polynomials miss on
     /// each cell: in flux, relative to the mean irradiance.
-    fn first_generation(&self, fits: &[(Vec<(glam::DVec3, f64)>, Fit)]) -> (OnMesh, Vec<f64>) {
-        let cells: Vec<(usize, &(Vec<(glam::DVec3, f64)>, Fit))> =
-            self.tree.base.iter().copied().zip(fits).collect();
-        let found = cells.par_iter().map(|(index, (places, fit))| {
+    fn first_generation(&self, fits: &[Nodes], tell: &mut dyn FnMut(f64)) -> (OnMesh, Vec<f64>) {
+        let cells: Vec<(usize, &Nodes)> = self.tree.base.iter().copied().zip(fits).collect();
+        let on_cell = |(index, (places, fit)): &(usize, &Nodes)| {
             let cell = &self.tree.cells[*index];
             let reflector = &self.tree.reflectors[cell.reflector];
             let values: Vec<[f64; 3]> = places
@@ -324,16 +326,21 @@ impl Room {
             });
             let channels: Vec<Polynomial> = channels.collect();
             (channels, missed)
-        });
-        found.unzip()
+        };
+        let mut found: Vec<(Vec<Polynomial>, f64)> = Vec::with_capacity(cells.len());
+        for batch in cells.chunks(BATCH) {
+            found.par_extend(batch.par_iter().map(on_cell));
+            tell(found.len() as f64 / cells.len() as f64);
+        }
+        found.into_iter().unzip()
     }
 
-    fn transfer(&self, fits: &[(Vec<(glam::DVec3, f64)>, Fit)]) -> Transfer {
+    fn transfer(&self, fits: &[Nodes], tell: &mut dyn FnMut(f64)) -> Transfer {
         let mut column = vec![0; self.tree.cells.len()];
         for (place, &index) in self.tree.base.iter().enumerate() {
             column[index] = place;
         }
-        Transfer::new(self.tree.base.len(), |row, out| {
+        let fill = |row: usize, out: &mut Rows| {
             let cell = &self.tree.cells[self.tree.base[row]];
             let reflector = &self.tree.reflectors[cell.reflector];
             let (places, fit) = &fits[row];
@@ -348,71 +355,8 @@ impl Room {
                     out.add(column[index], share, moments);
                 });
             }
-        })
-    }
-
-    /// The mesh with the cells halved that miss most, up to `target` cells.
-    fn finer(&mut self, errors: &[f64], target: usize) -> Vec<usize> {
-        let pairs = self.tree.base.iter().zip(errors);
-        let mut heap: BinaryHeap<Candidate> = pairs
-            .map(|(&cell, &error)| Candidate { error, cell })
-            .collect();
-        let mut done = Vec::new();
-        while done.len() + heap.len() < target
-            && let Some(Candidate { error, cell }) = heap.pop()
-        {
-            match self.tree.halve(cell) {
-                Some(halves) => heap.extend(halves.map(|cell| Candidate {
-                    error: HALVED * error,
-                    cell,
-                })),
-                None => done.push(cell),
-            }
-        }
-        done.extend(heap.into_iter().map(|candidate| candidate.cell));
-        done.sort_unstable();
-        done
-    }
-
-    /// Points spread over the reflecting surfaces, none at a node.
-    fn probes(&self) -> Vec<Receiver> {
-        let base = &self.tree.base;
-        let stride = base.len().div_ceil(PROBES).max(1);
-        let rounds = (PROBES / base.len().max(1)).max(1);
-        let mut probes = Vec::new();
-        for (number, &index) in base.iter().enumerate().step_by(stride) {
-            let cell = &self.tree.cells[index];
-            for round in 0..rounds {
-                // A place between a corner and the middle, by the golden ratio.
-                let spin = (number * rounds + round) as f64;
-                let share = (0.618_033_988_749_895 * spin).fract();
-                let corner = cell.outline[(number + round) % cell.outline.len()];
-                let next = cell.outline[(number + round + 1) % cell.outline.len()];
-                let rim = corner.lerp(next, (0.754_877_666_246_693 * spin).fract());
-                let place = cell.centre.lerp(rim, 0.95 * share.sqrt());
-                probes.push(self.tree.reflectors[cell.reflector].receiver(place));
-            }
-        }
-        probes
-    }
-
-    fn disagreement(&self, before: &[[f64; 3]], after: &[[f64; 3]]) -> f64 {
-        let mut worst = 0.0_f64;
-        for channel in 0..self.scale.len() {
-            let brightest = after.iter().map(|value| value[channel]).fold(0.0, f64::max);
-            if brightest <= 0.0 {
-                continue;
-            }
-            let pairs = before.iter().zip(after);
-            let squares: f64 = pairs
-                .map(|(a, b)| {
-                    let full = b[channel].max(DARK * brightest);
-                    ((a[channel] - b[channel]) / full).powi(2)
-                })
-                .sum();
-            worst = worst.max((squares / after.len().max(1) as f64).sqrt());
-        }
-        worst
+        };
+        Transfer::new(self.tree.base.len(), BATCH, fill, tell)
     }
 }
 

@@ -24,19 +24,29 @@ impl Rows {
         let rows = self.entries.chunks_exact_mut(self.cells * TERMS);
         for (row, share) in rows.zip(share) {
             let entries = &mut row[column * TERMS..][..TERMS];
-            entries.iter_mut().zip(moments).for_each(|(e, m)| *e += share * m);
+            entries
+                .iter_mut()
+                .zip(moments)
+                .for_each(|(e, m)| *e += share * m);
         }
     }
 }
 
 impl Transfer {
-    /// The matrix of `cells`, each one's rows filled by `fill`.
-    pub(super) fn new(cells: usize, fill: impl Fn(usize, &mut Rows) + Sync) -> Self {
+    /// The matrix of `cells`, each one's rows filled by `fill`; `tell` hears
+    /// the done share after every `batch` of cells.
+    pub(super) fn new(
+        cells: usize,
+        batch: usize,
+        fill: impl Fn(usize, &mut Rows) + Sync,
+        tell: &mut dyn FnMut(f64),
+    ) -> Self {
         let size = cells * TERMS * TERMS;
         let mut entries = vec![0.0_f32; cells * size];
-        if size > 0 {
-            let rows = entries.par_chunks_exact_mut(size).enumerate();
-            rows.for_each(|(cell, out)| {
+        for first in (0..cells).step_by(batch) {
+            let end = cells.min(first + batch);
+            let rows = entries[first * size..end * size].par_chunks_exact_mut(size);
+            rows.zip(first..end).for_each(|(out, cell)| {
                 let mut rows = Rows {
                     cells,
                     entries: vec![0.0; size],
@@ -45,6 +55,7 @@ impl Transfer {
                 let pairs = out.iter_mut().zip(rows.entries);
                 pairs.for_each(|(out, entry)| *out = entry as f32);
             });
+            tell(end as f64 / cells as f64);
         }
         Self { cells, entries }
     }
@@ -52,7 +63,9 @@ impl Transfer {
     /// Irradiance on every cell by the radiance of all, channel by channel.
     pub(super) fn next(&self, radiance: &[Vec<Polynomial>]) -> Vec<Vec<Polynomial>> {
         let channels = radiance.first().map_or(0, Vec::len);
-        let rows = self.entries.par_chunks_exact((self.cells * TERMS * TERMS).max(1));
+        let rows = self
+            .entries
+            .par_chunks_exact((self.cells * TERMS * TERMS).max(1));
         rows.map(|rows| {
             let mut found = vec![[0.0; TERMS]; channels];
             for (term, row) in rows.chunks_exact(self.cells * TERMS).enumerate() {

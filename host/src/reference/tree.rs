@@ -132,7 +132,11 @@ impl Tree {
     /// returns them.
     pub(super) fn even(&mut self, count: usize) -> Vec<usize> {
         let size = (self.area / count as f64).sqrt();
-        let mut pending: Vec<usize> = self.reflectors.iter().flat_map(|r| r.roots.clone()).collect();
+        let mut pending: Vec<usize> = self
+            .reflectors
+            .iter()
+            .flat_map(|r| r.roots.clone())
+            .collect();
         let mut cells = Vec::new();
         while let Some(index) = pending.pop() {
             let large = self.longest(index) > 1.5 * size;
@@ -200,7 +204,9 @@ impl Tree {
         for index in 0..self.cells.len() {
             let cell = &self.cells[index];
             if let (Role::Base | Role::Below, Some(children)) = (cell.role, cell.children) {
-                children.into_iter().for_each(|child| self.cells[child].role = Role::Below);
+                children
+                    .into_iter()
+                    .for_each(|child| self.cells[child].role = Role::Below);
             }
         }
         self.base = base;
@@ -235,7 +241,9 @@ impl Tree {
                 if roughness * cell.area > allowed * self.area
                     && let Some(children) = self.halve(index)
                 {
-                    children.into_iter().for_each(|child| self.cells[child].role = Role::Below);
+                    children
+                        .into_iter()
+                        .for_each(|child| self.cells[child].role = Role::Below);
                     next.extend(children);
                 }
             }

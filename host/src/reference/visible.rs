@@ -222,8 +222,7 @@ impl Sight {
     /// where the shadow misses it.
     fn cut_away(&self, shadow: &Shadow, piece: Loop, left: &mut Vec<Loop>) {
         let start = left.len();
-        let (mut rest, before) =
-            convex::cut(&piece, shadow.away, shadow.distance, self.tolerance);
+        let (mut rest, before) = convex::cut(&piece, shadow.away, shadow.distance, self.tolerance);
         if !before.is_empty() && !rest.is_empty() {
             left.push(before);
         }
