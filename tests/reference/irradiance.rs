@@ -6,25 +6,8 @@ use isolux_host::scene::{Scene, Surface};
 use serde_json::Value;
 
 use crate::fixtures::{
-    Polygon, number, over_polygon, reference, room, scene, surface, vector, vertices,
+    Polygon, file_scene, number, over_polygon, reference, room, scene, surface, vector,
 };
-
-fn polygons_of(file: &Value) -> Scene {
-    let polygons = file["polygons"].as_array().expect("polygons");
-    scene(
-        polygons
-            .iter()
-            .map(|polygon| {
-                surface(
-                    polygon["name"].as_str().expect("a name"),
-                    vertices(&polygon["vertices"]),
-                    number(&polygon["reflectance"]),
-                    number(&polygon["emission"]),
-                )
-            })
-            .collect(),
-    )
-}
 
 fn simple_scenes() -> [Value; 2] {
     [
@@ -37,7 +20,7 @@ fn simple_scenes() -> [Value; 2] {
 #[test]
 fn the_simple_scenes_are_met_within_1e_9() {
     for file in simple_scenes() {
-        let scene = polygons_of(&file);
+        let scene = file_scene(&file);
         let direct = reference(&scene, Reflections::AtMost(0));
         let once = reference(&scene, Reflections::AtMost(1));
         let mut worst = [0.0_f64; 2];
@@ -58,7 +41,7 @@ fn the_simple_scenes_are_met_within_1e_9() {
 #[test]
 fn points_in_bulk_equal_points_one_by_one() {
     let [file, _] = simple_scenes();
-    let judge = reference(&polygons_of(&file), Reflections::AtMost(1));
+    let judge = reference(&file_scene(&file), Reflections::AtMost(1));
     let points: Vec<(DVec3, DVec3)> = (0..40_000)
         .map(|index| {
             let (i, j) = (index % 200, index / 200);
@@ -252,7 +235,7 @@ fn kinks_horizons_and_concave_reflectors_are_met() {
 #[test]
 fn the_foot_of_a_wall_converges() {
     let [file, _] = simple_scenes();
-    let mut lit = polygons_of(&file);
+    let mut lit = file_scene(&file);
     lit.surfaces.truncate(2);
     let judge = reference(&lit, Reflections::AtMost(1));
     let direct = reference(&lit, Reflections::AtMost(0));
