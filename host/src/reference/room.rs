@@ -161,9 +161,12 @@ impl Room {
             if self.reflections == 0 {
                 return Ok(());
             }
-            let values: Vec<[f64; 3]> = probes.par_iter().map(|probe| self.light(probe)).collect();
+            let values: Vec<[f64; 3]> = probes
+                .par_iter()
+                .map(|probe| self.light(&probe.receiver))
+                .collect();
             if let Some(before) = &before {
-                self.accuracy = probes::disagreement(before, &values);
+                self.accuracy = probes::disagreement(&probes, before, &values);
                 if self.accuracy <= agreement {
                     break;
                 }
