@@ -25,6 +25,30 @@ pub(crate) fn vertices(value: &Value) -> Polygon {
         .collect()
 }
 
+/// A number or three of them as three channels.
+pub(crate) fn triple(value: &Value) -> [f64; 3] {
+    match value.as_f64() {
+        Some(grey) => [grey; 3],
+        None => vector(value).to_array(),
+    }
+}
+
+/// The scene of a file of references.
+pub(crate) fn file_scene(file: &Value) -> Scene {
+    let polygons = file["polygons"].as_array().expect("polygons");
+    let surfaces = polygons.iter().map(|polygon| Surface {
+        reflectance: triple(&polygon["reflectance"]),
+        radiance: triple(&polygon["emission"]),
+        ..surface(
+            polygon["name"].as_str().expect("a name"),
+            vertices(&polygon["vertices"]),
+            0.0,
+            0.0,
+        )
+    });
+    scene(surfaces.collect())
+}
+
 pub(crate) fn surface(name: &str, vertices: Polygon, reflectance: f64, radiance: f64) -> Surface {
     let anchor = vertices[0];
     let fan = vertices[1..].windows(2);

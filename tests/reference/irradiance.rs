@@ -6,25 +6,8 @@ use isolux_host::scene::{Scene, Surface};
 use serde_json::Value;
 
 use crate::fixtures::{
-    Polygon, number, over_polygon, reference, room, scene, surface, vector, vertices,
+    Polygon, file_scene, number, over_polygon, reference, room, scene, surface, vector,
 };
-
-fn polygons_of(file: &Value) -> Scene {
-    let polygons = file["polygons"].as_array().expect("polygons");
-    scene(
-        polygons
-            .iter()
-            .map(|polygon| {
-                surface(
-                    polygon["name"].as_str().expect("a name"),
-                    vertices(&polygon["vertices"]),
-                    number(&polygon["reflectance"]),
-                    number(&polygon["emission"]),
-                )
-            })
-            .collect(),
-    )
-}
 
 fn simple_scenes() -> [Value; 2] {
     [
@@ -37,7 +20,7 @@ fn simple_scenes() -> [Value; 2] {
 #[test]
 fn the_simple_scenes_are_met_within_1e_9() {
     for file in simple_scenes() {
-        let scene = polygons_of(&file);
+        let scene = file_scene(&file);
         let direct = reference(&scene, Reflections::AtMost(0));
         let once = reference(&scene, Reflections::AtMost(1));
         let mut worst = [0.0_f64; 2];
@@ -58,7 +41,7 @@ fn the_simple_scenes_are_met_within_1e_9() {
 #[test]
 fn points_in_bulk_equal_points_one_by_one() {
     let [file, _] = simple_scenes();
-    let judge = reference(&polygons_of(&file), Reflections::AtMost(1));
+    let judge = reference(&file_scene(&file), Reflections::AtMost(1));
     let points: Vec<(DVec3, DVec3)> = (0..40_000)
         .map(|index| {
             let (i, j) = (index % 200, index / 200);
@@ -155,6 +138,68 @@ fn lit_room() -> Scene {
     scene(surfaces)
 }
 
+/// A speck that hides a millionth makes the meshes do what quadrature did.
+#[test]
+fn a_speck_of_dust_changes_nothing() {
+    let clean = lit_room();
+    let mut dusty = clean.clone();
+    let speck = [[2.0, 1.5], [2.001, 1.5], [2.001, 1.501], [2.0, 1.501]];
+    let speck = speck.map(|[x, y]| DVec3::new(x, y, 1.2)).to_vec();
+    dusty.surfaces.push(surface("speck", speck, 0.0, 0.0));
+    let expected = reference(&clean, Reflections::AtMost(1));
+    let judge = reference(&dusty, Reflections::AtMost(1));
+    for wall in &clean.surfaces[..6] {
+        let corner = wall.vertices[0];
+        for (u, v) in [(0.5, 0.5), (0.1, 0.8), (0.3, 0.2), (0.97, 0.04)] {
+            let (along, across) = (wall.vertices[1] - corner, wall.vertices[3] - corner);
+            let place = corner + along * u + across * v;
+            let (value, expected) = (
+                judge.irradiance(place, wall.normal),
+                expected.irradiance(place, wall.normal),
+            );
+            assert!(
+                (value / expected - 1.0).abs() < 1e-3,
+                "{place} {value} {expected}"
+            );
+        }
+    }
+}
+
+/// The second generation of light is the first, as the adaptive quadrature has
+/// it, gathered by a plain sum. The ceiling reflects nothing where the panel
+/// covers it.
+#[test]
+fn light_reflected_twice_is_light_reflected_once_gathered() {
+    let scene = lit_room();
+    let direct = reference(&scene, Reflections::AtMost(0));
+    let once = reference(&scene, Reflections::AtMost(1));
+    let twice = reference(&scene, Reflections::AtMost(2));
+    for (position, normal) in [
+        (DVec3::new(0.0, 1.575, 1.3125), DVec3::X),
+        (DVec3::new(2.0, 1.3, 0.0), DVec3::Z),
+        (DVec3::new(1.1, 2.2, 1.6), DVec3::new(0.6, 0.0, -0.8)),
+    ] {
+        let mut sum = once.irradiance(position, normal);
+        let mut parts: Vec<(&Surface, &Polygon, f64)> = scene.surfaces[..6]
+            .iter()
+            .map(|wall| (wall, &wall.vertices, 1.0))
+            .collect();
+        parts.push((&scene.surfaces[1], &scene.surfaces[6].vertices, -1.0));
+        for (wall, outline, sign) in parts {
+            let height = wall.normal.dot(position - wall.vertices[0]);
+            let shown = sign * wall.reflectance[0] / std::f64::consts::PI * height;
+            sum += over_polygon(outline, 14, &mut |y| {
+                let r = y - position;
+                let first = once.irradiance(y, wall.normal) - direct.irradiance(y, wall.normal);
+                shown * first * normal.dot(r).max(0.0) / r.length_squared().powi(2)
+            });
+        }
+        let value = twice.irradiance(position, normal);
+        println!("{value} {sum} {:.1e}", value / sum - 1.0);
+        assert!((value / sum - 1.0).abs() < 5e-4, "{value} {sum}");
+    }
+}
+
 /// What the walls absorb, and the little that is unshot, is what the panel
 /// emits.
 #[test]
@@ -169,7 +214,7 @@ fn a_room_of_many_reflections_converges_and_keeps_its_energy() {
             "{count} reflections: {value}, accuracy {:.1e}",
             judge.accuracy()
         );
-        assert!(value > before && judge.accuracy() <= 1e-4);
+        assert!(value > before && judge.accuracy() <= 1e-3);
         before = value;
     }
     let fraction = 1e-3;
@@ -179,7 +224,7 @@ fn a_room_of_many_reflections_converges_and_keeps_its_energy() {
         judge.reflections(),
         judge.accuracy()
     );
-    assert!(judge.irradiance(place.0, place.1) > before && judge.accuracy() <= 1e-4);
+    assert!(judge.irradiance(place.0, place.1) > before && judge.accuracy() <= 1e-3);
     let emitted = std::f64::consts::PI * 10.0 * scene.surfaces[6].area;
     let mut absorbed = 0.0;
     for wall in &scene.surfaces[..6] {
@@ -187,10 +232,16 @@ fn a_room_of_many_reflections_converges_and_keeps_its_energy() {
         absorbed +=
             share * over_polygon(&wall.vertices, 6, &mut |y| judge.irradiance(y, wall.normal));
     }
+    // Where the black panel covers the ceiling, it absorbs the rest as well.
+    let (ceiling, panel) = (&scene.surfaces[1], &scene.surfaces[6]);
+    absorbed += ceiling.reflectance[0]
+        * over_polygon(&panel.vertices, 6, &mut |y| {
+            judge.irradiance(y, panel.normal)
+        });
     let left = 1.0 - absorbed / emitted;
     println!("left: {left:.2e}");
-    // The sum over the walls is itself good to about 1e-4.
-    assert!(left > -1e-4 && left < fraction + 1e-4, "{left:e}");
+    // The sum over the walls is itself good to about 1e-4, the light to 1e-3.
+    assert!(left > -1e-3 && left < fraction + 1e-3, "{left:e}");
 }
 
 /// An L-shaped floor below a lamp whose plane cuts the floor, seen by tilted
@@ -252,7 +303,7 @@ fn kinks_horizons_and_concave_reflectors_are_met() {
 #[test]
 fn the_foot_of_a_wall_converges() {
     let [file, _] = simple_scenes();
-    let mut lit = polygons_of(&file);
+    let mut lit = file_scene(&file);
     lit.surfaces.truncate(2);
     let judge = reference(&lit, Reflections::AtMost(1));
     let direct = reference(&lit, Reflections::AtMost(0));

@@ -149,6 +149,50 @@ fn shipped_scenes_have_the_geometry_of_the_references() {
     }
 }
 
+/// In rooms the office's radiances are scaled, and names are those of the files.
+#[test]
+fn shipped_rooms_have_the_geometry_of_the_references() {
+    for (text, reference, unit) in [
+        (shipped::PENUMBRA, "d_penumbra_h1.5", 1.0),
+        (shipped::CORNELL, "c_cornell_grey", 1.0),
+        (shipped::CORNELL_RGB, "c_cornell_rgb", 1.0),
+        (shipped::OFFICE, "e_office", 200.0),
+    ] {
+        let json: Value = serde_json::from_str(&reference_text(reference)).expect("JSON");
+        let polygons = json["polygons"].as_array().expect("polygons");
+        let scene = accepted(text);
+        assert_eq!(scene.surfaces.len(), polygons.len(), "{reference}");
+        for polygon in polygons {
+            let name = polygon["name"].as_str().expect("a name");
+            let surface = &scene.surfaces[scene.surface_named(name).expect(name)];
+            let channel = |value: &Value, channel: usize| {
+                value
+                    .get(channel)
+                    .unwrap_or(value)
+                    .as_f64()
+                    .expect("a number")
+            };
+            for c in 0..3 {
+                let radiance = unit * channel(&polygon["emission"], c);
+                assert_eq!(surface.reflectance[c], channel(&polygon["reflectance"], c));
+                assert_eq!(surface.radiance[c], radiance, "{reference} {name}");
+                for (vertex, wanted) in surface.vertices.iter().zip(0..) {
+                    let wanted = channel(&polygon["vertices"][wanted as usize], c);
+                    assert!((vertex[c] - wanted).abs() <= 1e-14, "{reference} {name}");
+                }
+            }
+        }
+    }
+    assert_eq!(accepted(shipped::CORNELL).budget.samples, Some(687));
+    assert_eq!(accepted(shipped::OFFICE).quantity, Quantity::Photometric);
+    let points: Vec<String> = accepted(shipped::OFFICE)
+        .points
+        .into_iter()
+        .map(|p| p.name)
+        .collect();
+    assert_eq!(points, ["desk-1", "desk-2", "desk-3", "desk-4"]);
+}
+
 #[test]
 fn sensor_points_are_read_as_radiance_writes_them() {
     let source = "# desk\n0 0 0.8\t0 0 1\n\n  1e0 .5 -2 0 0 -2.5 # below\r\n";

@@ -72,11 +72,6 @@ impl Cell {
         Self::of(patch, values, 0, false)
     }
 
-    /// A cell on which the polynomial through `values` is the radiance.
-    pub(super) fn interpolant(patch: Patch, values: Vec<f64>) -> Self {
-        Self::of(patch, values, 0, true)
-    }
-
     fn of(patch: Patch, values: Vec<f64>, depth: u32, exact: bool) -> Self {
         Self {
             weighted: values.iter().zip(&patch.area).map(|(l, a)| l * a).collect(),

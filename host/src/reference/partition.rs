@@ -55,7 +55,7 @@ fn area(polygon: &[DVec3], normal: DVec3) -> f64 {
 }
 
 /// The polygon itself where it is convex, its triangles otherwise.
-fn convex_pieces(polygon: &[DVec3], normal: DVec3) -> Option<Vec<Vec<DVec3>>> {
+pub(super) fn convex_pieces(polygon: &[DVec3], normal: DVec3) -> Option<Vec<Vec<DVec3>>> {
     let count = polygon.len();
     let turns_left = (0..count).all(|index| {
         let (a, b, c) = (

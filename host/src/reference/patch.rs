@@ -140,18 +140,8 @@ impl Patch {
         sum * height
     }
 
-    /// Adds to `weights` what the receiver gets for unit radiance at each
-    /// node, for a patch wholly above its horizon.
-    pub(super) fn weigh(&self, receiver: &Receiver, height: f64, weights: &mut [f64]) {
-        for ((place, area), weight) in self.nodes().zip(&self.area).zip(weights) {
-            let towards = place - receiver.position;
-            let square = towards.length_squared();
-            *weight += area * height * receiver.normal.dot(towards) / (square * square);
-        }
-    }
-
-    /// As [`Patch::weigh`] where the horizon crosses the patch: the part above
-    /// it is integrated by strips of constant v, each from the horizon on,
+    /// Adds to `weights` what the receiver gets for unit radiance at each node
+    /// where its horizon crosses the patch: the part above it is integrated by strips of constant v, each from the horizon on,
     /// with the radiance interpolated through the nodes. Strips are grouped
     /// between the places where the horizon passes a side of the patch, so
     /// that every integrand is smooth.

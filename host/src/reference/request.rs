@@ -33,11 +33,11 @@ pub enum Error {
         /// The surface's name.
         surface: String,
     },
-    /// Even the coarsest useful mesh of the reflecting surfaces is too large.
+    /// Even the coarsest mesh of the reflecting surfaces is too large.
     TooFine {
-        /// Nodes it would have.
-        nodes: usize,
-        /// Nodes it may have.
+        /// Cells it would have.
+        cells: usize,
+        /// Cells it may have.
         most: usize,
     },
     /// The light would have to be followed further than is sensible.
@@ -58,9 +58,9 @@ impl fmt::Display for Error {
                 f,
                 "surface \"{surface}\" cannot be triangulated; its outline must not cross itself"
             ),
-            Self::TooFine { nodes, most } => write!(
+            Self::TooFine { cells, most } => write!(
                 f,
-                "the reflecting surfaces need {nodes} nodes and the reference holds {most}; \
+                "the reflecting surfaces need {cells} cells and the reference holds {most}; \
                  ask for at most one reflection or use fewer surfaces"
             ),
             Self::DoesNotDieOut { generations } => write!(

@@ -100,28 +100,6 @@ impl Rule {
         }
         refined
     }
-
-    /// The transpose of [`Rule::refine`], added to `coarse`: weights upon a
-    /// quarter's nodal values become weights upon the whole square's.
-    pub(super) fn restrict(&self, fine: &[f64], half: (usize, usize), coarse: &mut [f64]) {
-        let n = self.order();
-        let (along_u, along_v) = (&self.halves[half.0], &self.halves[half.1]);
-        let mut rows = vec![0.0; n * n];
-        for (row, weights) in fine.chunks_exact(n).zip(along_v.chunks_exact(n)) {
-            for (out, weight) in rows.chunks_exact_mut(n).zip(weights) {
-                for (value, x) in out.iter_mut().zip(row) {
-                    *value += weight * x;
-                }
-            }
-        }
-        for (out, row) in coarse.chunks_exact_mut(n).zip(rows.chunks_exact(n)) {
-            for (weights, x) in along_u.chunks_exact(n).zip(row) {
-                for (value, weight) in out.iter_mut().zip(weights) {
-                    *value += weight * x;
-                }
-            }
-        }
-    }
 }
 
 #[cfg(test)]
@@ -129,7 +107,7 @@ mod tests {
     use super::Rule;
 
     #[test]
-    fn polynomials_are_carried_to_quarters_and_back() {
+    fn polynomials_are_carried_to_quarters() {
         let rule = Rule::new(6);
         let f = |u: f64, v: f64| u.powi(5) - 3.0 * u * v.powi(4) + v - 0.25;
         let sample = |u0: f64, v0: f64, scale: f64| -> Vec<f64> {
@@ -153,12 +131,6 @@ mod tests {
             for (a, b) in exact.iter().zip(&carried) {
                 assert!((a - b).abs() < 1e-14, "{a} {b}");
             }
-            let weights: Vec<f64> = (0..36).map(|i| (i as f64 * 0.7).sin()).collect();
-            let mut restricted = vec![0.0; 36];
-            rule.restrict(&weights, quarter, &mut restricted);
-            let fine: f64 = weights.iter().zip(&carried).map(|(w, x)| w * x).sum();
-            let coarse: f64 = restricted.iter().zip(&whole).map(|(w, x)| w * x).sum();
-            assert!((fine - coarse).abs() < 1e-12, "{fine} {coarse}");
         }
     }
 }

@@ -7,8 +7,10 @@ use glam::DVec3;
 
 use super::cell::{Cell, Field};
 use super::form_factor::form_factor;
+use super::luminaire::Luminaire;
 use super::patch::Receiver;
 use super::rule::Rule;
+use crate::scene::{Scene, Surface};
 
 /// A point whose normal is the surface's within this (length of the
 /// difference) and whose height is within the same share of the scene's
@@ -31,6 +33,15 @@ pub(super) struct Outline {
 }
 
 impl Outline {
+    /// A surface of a scene.
+    pub(super) fn new(scene: &Scene, surface: &Surface) -> Self {
+        Self {
+            vertices: surface.vertices.clone(),
+            normal: surface.normal,
+            scale: scene.largest_coordinate(),
+        }
+    }
+
     /// Height of the receiver over the front, `None` where it can see nothing of it.
     pub(super) fn height(&self, receiver: &Receiver) -> Option<f64> {
         let height = self
@@ -50,19 +61,14 @@ impl Outline {
     }
 }
 
-/// A polygon of constant radiance.
-pub(super) struct Luminaire {
-    /// Where it is.
-    pub(super) outline: Outline,
-    /// Radiance.
-    pub(super) radiance: f64,
-}
-
-/// Irradiance by all luminaires: `E = Σ π L F`.
-pub(super) fn direct(luminaires: &[Luminaire], receiver: &Receiver) -> f64 {
-    let parts = luminaires.iter();
+/// Irradiance by one channel of all luminaires, nothing in between:
+/// `E = Σ π L F`.
+fn direct(origin: &Origin<'_>, receiver: &Receiver) -> f64 {
+    let parts = origin.luminaires.iter();
     parts
-        .map(|luminaire| PI * luminaire.radiance * luminaire.outline.form_factor(receiver))
+        .map(|luminaire| {
+            PI * luminaire.radiance[origin.channel] * luminaire.outline.form_factor(receiver)
+        })
         .sum()
 }
 
@@ -80,9 +86,10 @@ pub(super) struct Reflector {
 pub(super) struct Origin<'a> {
     /// The rule of its cells.
     pub(super) rule: &'a Rule,
-    /// The luminaires whose direct light it reflects; cells that hold a
-    /// polynomial never ask.
+    /// The luminaires whose direct light it reflects.
     pub(super) luminaires: &'a [Luminaire],
+    /// The channel.
+    pub(super) channel: usize,
     /// Cells kept so far.
     pub(super) kept: &'a AtomicUsize,
 }
@@ -120,7 +127,8 @@ pub(super) fn with_field<T>(
     origin: &Origin<'_>,
     use_it: impl FnOnce(&Field<'_>) -> T,
 ) -> T {
-    let brightest: f64 = origin.luminaires.iter().map(|l| l.radiance).sum();
+    let radiances = origin.luminaires.iter().map(|l| l.radiance[origin.channel]);
+    let brightest: f64 = radiances.sum();
     use_it(&Field {
         rule: origin.rule,
         normal: outline.normal,
@@ -129,7 +137,7 @@ pub(super) fn with_field<T>(
                 position,
                 normal: outline.normal,
             };
-            reflectance / PI * direct(origin.luminaires, &receiver)
+            reflectance / PI * direct(origin, &receiver)
         },
         noise: f64::EPSILON * brightest * reflectance,
         kept: origin.kept,
