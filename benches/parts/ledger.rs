@@ -71,6 +71,7 @@ fn scene(planned: &Planned) -> Result<Vec<Row>, Error> {
         scene: &planned.scene.name,
         tables: planned.tables.bytes(),
         arithmetic: Rung::Best.name(),
+        visibility: "none",
         stop: Stop::below(0.001),
         resolution: 200,
         // Whether the bits are the host's is another test's business.

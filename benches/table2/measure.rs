@@ -219,6 +219,7 @@ fn instructions(planned: &Planned) -> Result<Legs, Error> {
         scene: &planned.scene.name,
         tables: planned.tables.bytes(),
         arithmetic: Rung::Best.name(),
+        visibility: "none",
         stop: Stop::Reflections(1),
         // Resampling is not part of either method's time.
         resolution: 1,

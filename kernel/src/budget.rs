@@ -1,16 +1,30 @@
 //! What a scene costs, known before it runs.
 
 use crate::scene::Scene;
-use crate::scene::records::Counts;
+use crate::scene::records::{Counts, Sight};
 
 /// Bytes of RAM that [`Light`](crate::shoot::Light) takes on a 32-bit part: for
-/// every channel 4 a sample and 8 an emitter's coefficient, and 104 for the
+/// every channel 4 a sample and 8 an emitter's coefficient, and 148 for the
 /// borrowed tables and the counts.
 ///
 /// Exact on thumb targets: the firmware does not compile where `size_of` differs.
 pub const fn light_bytes(counts: &Counts) -> usize {
     let coefficients = counts.emitters as usize * counts.coefficients as usize;
-    counts.channels as usize * (4 * counts.samples as usize + 8 * coefficients) + 104
+    counts.channels as usize * (4 * counts.samples as usize + 8 * coefficients) + 148
+}
+
+/// Bytes of RAM that the workspace of [`Exact`](crate::visibility::Exact) takes
+/// on a 32-bit part; 0 where nothing occludes.
+///
+/// Exact on thumb targets: the firmware does not compile where `size_of` differs.
+pub const fn sight_bytes(sight: &Sight) -> usize {
+    if sight.vertices == 0 {
+        return 0;
+    }
+    let polygon = 8 * sight.vertices as usize + 8;
+    let ends = (2 * sight.blockers as usize).next_multiple_of(4);
+    let waiting = sight.pieces as usize * (polygon + 8);
+    76 + 4 * polygon + 12 * sight.lines as usize + ends + waiting
 }
 
 /// Form factors that direct light costs: one per luminaire and sample, less

@@ -8,6 +8,7 @@
 //! | `ISOLUX_TABLES` | path of the baked tables (bytes) |
 //! | `ISOLUX_RESOLUTION` | rows and columns of each resampled grid |
 //! | `ISOLUX_ARITHMETIC` | rung of the arithmetic ladder |
+//! | `ISOLUX_VISIBILITY` | rung of visibility where something occludes: `exact`, `vertex-rays` |
 //! | `ISOLUX_STOP` | `below FRACTION SHOTS`, `shots N` or `reflections N` |
 //!
 //! `ISOLUX_EVALUATIONS` is how many form factors a rung the program `hashes`
@@ -16,7 +17,7 @@
 //! Without `ISOLUX_TABLES` the firmware builds, says what it lacks and exits 1.
 
 use isolux::scene::Scene;
-use isolux::scene::records::Counts;
+use isolux::scene::records::{Counts, Sight};
 use std::env;
 use std::fmt::Write as _;
 use std::fs;
@@ -102,7 +103,7 @@ fn stop() -> Result<String, String> {
 }
 
 /// What the tables say they hold.
-fn counts(path: &str) -> Result<Counts, String> {
+fn contents(path: &str) -> Result<(Counts, Sight), String> {
     let bytes = fs::read(path).map_err(|error| format!("reading {path}: {error}"))?;
     // The kernel reads tables where words may lie: at a multiple of four.
     let room = vec![0_u8; bytes.len() + 4];
@@ -111,7 +112,7 @@ fn counts(path: &str) -> Result<Counts, String> {
     let place = &mut room[start..start + bytes.len()];
     place.copy_from_slice(&bytes);
     let scene = Scene::load(place).map_err(|error| format!("{path}: {error}"))?;
-    Ok(*scene.counts())
+    Ok((*scene.counts(), *scene.sight()))
 }
 
 /// The kernel's type of radiosity for these tables.
@@ -127,6 +128,25 @@ fn luminance(counts: &Counts) -> String {
         "Linear"
     };
     format!("isolux::luminance::{form}<{colour}>")
+}
+
+/// The kernel's type of visibility for these tables.
+fn visibility(counts: &Counts, sight: &Sight) -> Result<String, String> {
+    let rung = variable("ISOLUX_VISIBILITY").unwrap_or_else(|| "exact".to_owned());
+    let Sight {
+        vertices,
+        pieces,
+        lines,
+        blockers,
+    } = sight;
+    match rung.as_str() {
+        _ if counts.occluders == 0 => Ok("Unoccluded".to_owned()),
+        "exact" => Ok(format!("Exact<{vertices}, {pieces}, {lines}, {blockers}>")),
+        "vertex-rays" => Ok("VertexRays".to_owned()),
+        _ => Err(format!(
+            "ISOLUX_VISIBILITY is \"{rung}\"; the firmware knows exact, vertex-rays"
+        )),
+    }
 }
 
 /// The Rust source of the job.
@@ -150,8 +170,8 @@ fn job() -> Result<String, String> {
         coefficients: 1,
         ..Counts::default()
     };
-    let (tables, counts) = match variable("ISOLUX_TABLES") {
-        None => ("b\"\"".to_owned(), none),
+    let (tables, (counts, sight)) = match variable("ISOLUX_TABLES") {
+        None => ("b\"\"".to_owned(), (none, Sight::default())),
         Some(path) => {
             if !Path::new(&path).is_file() {
                 return Err(format!(
@@ -159,7 +179,7 @@ fn job() -> Result<String, String> {
                 ));
             }
             println!("cargo::rerun-if-changed={path}");
-            (format!("include_bytes!({path:?})"), counts(&path)?)
+            (format!("include_bytes!({path:?})"), contents(&path)?)
         }
     };
     let mut source = String::new();
@@ -171,6 +191,14 @@ fn job() -> Result<String, String> {
         format!("    isolux::scene::records::{counts:?};"),
         "/// How radiosity varies over an emitter, and its channels.".to_owned(),
         format!("pub(crate) type Luminance = {};", luminance(&counts)),
+        "/// What the workspace of visibility holds.".to_owned(),
+        "pub(crate) const SIGHT: isolux::scene::records::Sight =".to_owned(),
+        format!("    isolux::scene::records::{sight:?};"),
+        "/// The rung of visibility.".to_owned(),
+        format!(
+            "pub(crate) type Visibility = isolux::visibility::{};",
+            visibility(&counts, &sight)?
+        ),
         "/// The rung of form-factor arithmetic.".to_owned(),
         format!("pub(crate) type Arithmetic = {arithmetic};"),
         "/// When to stop shooting.".to_owned(),

@@ -40,6 +40,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         scene: &planned.scene.name,
         tables: planned.tables.bytes(),
         arithmetic: planned.rung.name(),
+        visibility: planned.sight.name(),
         stop: pipeline::stop(bounces),
         resolution: GRID,
         expected: &expected,

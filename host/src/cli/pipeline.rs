@@ -8,7 +8,7 @@ use crate::plan::{self, Plan};
 use crate::reference::{self, Reference, Reflections};
 use crate::report::Progress;
 use crate::scene::diagnostic::Diagnostic;
-use crate::scene::requires::{Requirements, requirements};
+use crate::scene::requires::requirements;
 use crate::scene::{Scene, file, shipped};
 use crate::solve::{self, Rung, Sight, Solution};
 use glam::DVec3;
@@ -34,30 +34,6 @@ pub(super) fn read(path: &Path) -> Result<Scene, Failure> {
         }
     }
     Ok(file::read(path)?)
-}
-
-/// Refuses what the reference would answer wrong.
-fn supported(scene: &Scene) -> Result<Requirements, Failure> {
-    let needs = requirements(scene);
-    if let Some(blocked) = &needs.visibility {
-        return Err(Failure::limit(
-            format!(
-                "scene `{}` needs visibility, which this build lacks",
-                scene.name
-            ),
-            blocked.explain(scene),
-        ));
-    }
-    if let Some(surface) = needs.channels_because {
-        return Err(Failure::limit(
-            format!(
-                "scene `{}` needs three channels, this build has one",
-                scene.name
-            ),
-            format!("surface `{}` is not grey", scene.surfaces[surface].name),
-        ));
-    }
-    Ok(needs)
 }
 
 /// A scene, planned and baked.
@@ -96,7 +72,7 @@ pub(super) fn plan(
     let occlusion = match choices.sight {
         Sight::None => None,
         Sight::VertexRays | Sight::Exact => Some(
-            Occlusion::of(&scene, places.iter().copied())
+            Occlusion::for_receivers_within(&scene, reach(&scene, places))
                 .map_err(|error| Failure::limit(error, "split the scene"))?,
         ),
     };
@@ -110,6 +86,14 @@ pub(super) fn plan(
         plan,
         tables,
     })
+}
+
+/// Where receivers may be: on the surfaces, at the named points, and at
+/// `places`. What cannot hide anything from any of these is on no list.
+fn reach(scene: &Scene, places: &[DVec3]) -> Vec<DVec3> {
+    let surfaces = scene.surfaces.iter().flat_map(|surface| &surface.vertices);
+    let points = scene.points.iter().map(|point| &point.position);
+    surfaces.chain(points).chain(places).copied().collect()
 }
 
 /// Refuses what a scene's own budget cannot hold: the kernel's state in RAM and
@@ -165,7 +149,6 @@ pub(super) fn same_light(bounces: Option<u32>) -> Reflections {
 
 /// The f64 reference, with progress.
 pub(super) fn judge(scene: &Scene, reflections: Reflections) -> Result<Reference, Failure> {
-    supported(scene)?;
     const STEPS: f64 = 1000.0;
     let progress = Progress::start("reference", STEPS as u64);
     let mut tell = |done: f64| {

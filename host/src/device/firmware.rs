@@ -224,6 +224,7 @@ impl Toolchain {
         let words = [
             ("ISOLUX_RESOLUTION", job.resolution.to_string()),
             ("ISOLUX_ARITHMETIC", job.arithmetic.to_owned()),
+            ("ISOLUX_VISIBILITY", job.visibility.to_owned()),
             ("ISOLUX_STOP", stop(job.stop)),
         ];
         let mut environment = vec![("ISOLUX_TABLES", tables.as_os_str())];

@@ -62,6 +62,8 @@ pub struct Job<'a> {
     pub tables: &'a [u8],
     /// The name of the rung of arithmetic.
     pub arithmetic: &'a str,
+    /// The name of the rung of visibility.
+    pub visibility: &'a str,
     /// When to stop shooting.
     pub stop: Stop,
     /// Rows and columns of each resampled grid.

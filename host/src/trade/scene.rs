@@ -186,6 +186,7 @@ fn cost(judged: &Judged<'_>, rung: Rung) -> Result<SceneCost, device::Error> {
             scene: &judged.scene.name,
             tables: judged.tables.bytes(),
             arithmetic: rung.name(),
+            visibility: judged.sight.name(),
             stop: Stop::Reflections(judged.reflections),
             resolution: RESAMPLED,
             // Whether the bits are the host's is `isolux device`'s business.

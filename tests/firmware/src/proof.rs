@@ -236,7 +236,7 @@ mod entries {
         }
         fn isolux_entry_visibility_fold(exact: &mut Workspace) -> (f32, f32) {
             let seen = exact.fold(0.0, |sum, piece| {
-                *sum += piece.corners().fold(0.0, |sum, [a, b]| sum + a * b);
+                *sum += piece.corners().iter().fold(0.0, |sum, [a, b]| sum + a * b);
             });
             (seen.visible, seen.unresolved)
         }

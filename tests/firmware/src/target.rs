@@ -20,15 +20,27 @@ const SAMPLES: usize = COUNTS.samples as usize;
 const EMITTERS: usize = COUNTS.emitters as usize;
 
 /// The kernel's state for this scene.
-type Light = isolux::shoot::Light<'static, job::Arithmetic, SAMPLES, EMITTERS, job::Luminance>;
+type Light = isolux::shoot::Light<
+    'static,
+    job::Arithmetic,
+    SAMPLES,
+    EMITTERS,
+    job::Luminance,
+    job::Visibility,
+>;
 
 /// What light has in every channel.
 type Colour = <job::Luminance as Luminance>::Colour;
 
 // What the budget sheet promises is what the state takes.
 const _: () = assert!(
-    size_of::<Light>() == budget::light_bytes(&COUNTS),
+    size_of::<Light>() == budget::light_bytes(&COUNTS) + size_of::<job::Visibility>(),
     "budget::light_bytes is not the size of Light on this target"
+);
+const _: () = assert!(
+    size_of::<job::Visibility>() == 0
+        || size_of::<job::Visibility>() == budget::sight_bytes(&job::SIGHT),
+    "budget::sight_bytes is not the size of the workspace on this target"
 );
 
 /// Rounding mode, flush to zero and default NaN in FPSCR: all must be 0, or the
