@@ -5,6 +5,7 @@
 #[allow(dead_code, reason = "the tests use more of it")]
 mod lit;
 #[path = "../tests/visibility/published.rs"]
+#[allow(dead_code, reason = "the tests use more of it")]
 mod published;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};

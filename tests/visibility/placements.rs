@@ -144,6 +144,15 @@ fn a_body_without_its_base_is_closed_where_it_stands() {
 }
 
 #[test]
+fn a_closed_case_with_a_luminaire_in_it_is_not_dark() {
+    let mut case = Vec::new();
+    for face in faces_of_box([3.0; 3]) {
+        case.push(surface(face.iter().map(|&v| v + DVec3::Z).collect(), 0.0));
+    }
+    assert_part(case, ORIGIN, 1.0);
+}
+
+#[test]
 fn a_body_that_reaches_behind_the_emitter_enters_as_its_faces() {
     let (f, whole) = seen(block(DVec3::new(0.5, 0.0, 1.9)), [-0.8, 0.0, 0.0], DVec3::Z);
     let (only_below, _) = seen(

@@ -22,7 +22,10 @@ pub(super) fn bodies(scene: &Scene, flat: f64) -> Vec<Vec<usize>> {
         .collect();
     for group in groups(scene, &loose, flat) {
         let faces: Vec<&Surface> = group.iter().map(|&i| &scene.surfaces[i]).collect();
-        if check(&faces, flat).is_ok() && is_shut(scene, &group, &faces, flat) {
+        if check(&faces, flat).is_ok()
+            && is_shut(scene, &group, &faces, flat)
+            && is_empty(scene, &group, &faces, flat)
+        {
             bodies.push(group);
         }
     }
@@ -78,6 +81,19 @@ fn is_shut(scene: &Scene, group: &[usize], faces: &[&Surface], flat: f64) -> boo
         || scene.surfaces.iter().enumerate().any(|(index, surface)| {
             !group.contains(&index) && rim.iter().all(|&place| lies_on(surface, place, flat))
         })
+}
+
+/// Whether no luminaire lies inside of a body, which would then not be dark.
+fn is_empty(scene: &Scene, group: &[usize], faces: &[&Surface], flat: f64) -> bool {
+    let others = scene.surfaces.iter().enumerate();
+    let mut places = others
+        .filter(|(index, surface)| surface.emits() && !group.contains(index))
+        .flat_map(|(_, surface)| &surface.vertices);
+    let planes: Vec<Plane> = faces
+        .iter()
+        .map(|face| Plane::of(face.normal, &face.vertices))
+        .collect();
+    !places.any(|&place| planes.iter().all(|plane| plane.height(place) < -flat))
 }
 
 /// Whether a place lies on a convex surface. (A concave one closes nothing.)
