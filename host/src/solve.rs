@@ -14,9 +14,7 @@ use isolux::number::Root;
 use isolux::scene::Scene;
 use isolux::shoot::{Light, Solved, Stop};
 use isolux::visibility::records::{Blocker, Occluders, Target};
-use isolux::visibility::{
-    Bracket, Capacities, Exact, Looked, Sum, Unoccluded, VertexRays, Visibility,
-};
+use isolux::visibility::{Bracket, Capacities, Exact, Looked, Sum, VertexRays, Visibility};
 use rayon::prelude::*;
 
 /// The host's square root: an instruction, correctly rounded like every
@@ -252,16 +250,31 @@ impl Sight {
 /// one emitter.
 type Workspace = Exact<32, 64, 256, 64>;
 
-/// A rung of visibility that looks from many samples at once. Every sample is
+/// Any rung of visibility, looking from many samples at once. Every sample is
 /// looked at by one core and no sum is divided: the bits are those of one after
-/// the other.
+/// the other. One type for all rungs keeps the program small: what a scene
+/// requires is the device's concern.
 #[derive(Clone, Debug, Default)]
-struct Cores<V>(V);
+enum Looking {
+    Rays,
+    #[default]
+    None,
+    Exact(Box<Workspace>),
+}
 
-impl<V: Visibility + Default + Send> Visibility for Cores<V> {
-    const CAPACITIES: Capacities = V::CAPACITIES;
+impl Looking {
+    fn with(sight: Sight) -> Self {
+        match sight {
+            Sight::None => Self::None,
+            Sight::VertexRays => Self::Rays,
+            Sight::Exact => Self::Exact(Box::default()),
+        }
+    }
+}
 
-    #[inline(always)]
+impl Visibility for Looking {
+    const CAPACITIES: Capacities = Workspace::CAPACITIES;
+
     fn form_factor<R: Root<f32> + Copy>(
         &mut self,
         receiver: &Receiver<f32>,
@@ -270,11 +283,22 @@ impl<V: Visibility + Default + Send> Visibility for Cores<V> {
         blockers: impl Iterator<Item = Blocker>,
         unoccluded: impl FnOnce() -> f32,
     ) -> Bracket<f32> {
-        let sight = &mut self.0;
-        sight.form_factor::<R>(receiver, target, occluders, blockers, unoccluded)
+        match self {
+            Self::None => Bracket::exactly(unoccluded()),
+            Self::Rays => {
+                VertexRays.form_factor::<R>(receiver, target, occluders, blockers, unoccluded)
+            }
+            Self::Exact(exact) => Visibility::form_factor::<R>(
+                exact.as_mut(),
+                receiver,
+                target,
+                occluders,
+                blockers,
+                unoccluded,
+            ),
+        }
     }
 
-    #[inline(always)]
     fn look(
         &mut self,
         receiver: &Receiver<f32>,
@@ -283,7 +307,11 @@ impl<V: Visibility + Default + Send> Visibility for Cores<V> {
         blockers: impl Iterator<Item = Blocker>,
         parts: &mut impl Sum<f32>,
     ) -> Looked<f32> {
-        self.0.look(receiver, target, occluders, blockers, parts)
+        match self {
+            Self::None => Looked::Whole,
+            Self::Rays => VertexRays.look(receiver, target, occluders, blockers, parts),
+            Self::Exact(exact) => exact.look(receiver, target, occluders, blockers, parts),
+        }
     }
 
     fn each<C: Send>(&mut self, values: &mut [C], value: impl Fn(&mut Self, usize, &mut C) + Sync) {
@@ -299,9 +327,12 @@ impl<V: Visibility + Default + Send> Visibility for Cores<V> {
             .par_iter_mut()
             .enumerate()
             .with_min_len(FEW / 2)
-            .for_each_init(Self::default, |sight, (index, place)| {
-                value(sight, index, place);
-            });
+            .for_each_init(
+                || self.clone(),
+                |sight, (index, place)| {
+                    value(sight, index, place);
+                },
+            );
     }
 }
 
@@ -359,11 +390,10 @@ impl ToChannels for Rgb {
     }
 }
 
-impl<A, L, V> Lit for Light<'_, A, SAMPLES, EMITTERS, L, V>
+impl<A, L> Lit for Light<'_, A, SAMPLES, EMITTERS, L, Looking>
 where
     A: Arithmetic<f32> + Send + Sync,
     L: Luminance<Colour: ToChannels>,
-    V: Visibility + Default + Send + Sync,
 {
     fn solve(&mut self, stop: Stop) -> Solved {
         Light::solve(self, stop)
@@ -379,14 +409,15 @@ where
     }
 
     fn at(&self, receivers: &[Receiver<f32>]) -> Vec<At> {
-        let one = |sight: &mut V, receiver: &Receiver<f32>| {
+        let one = |sight: &mut Looking, receiver: &Receiver<f32>| {
             let bracket = self.at_with(receiver, sight);
             At {
                 value: bracket.middle().channels(),
                 is_exact: bracket.is_exact(),
             }
         };
-        receivers.par_iter().map_init(V::default, one).collect()
+        let sight = || self.sight().clone();
+        receivers.par_iter().map_init(sight, one).collect()
     }
 
     fn radiosity(&self, emitter: usize) -> Channels {
@@ -424,14 +455,12 @@ where
         A: Arithmetic<f32> + Send + Sync + 'static,
         L: Luminance<Colour: ToChannels>,
     {
-        type Of<'t, A, L, V> = Light<'t, A, SAMPLES, EMITTERS, L, Cores<V>>;
-        Ok(match sight {
-            _ if scene.counts().occluders == 0 => {
-                Box::new(Of::<A, L, Unoccluded>::new(scene)?) as Box<dyn Lit + 't>
-            }
-            Sight::VertexRays => Box::new(Of::<A, L, VertexRays>::new(scene)?),
-            Sight::None | Sight::Exact => Box::new(Of::<A, L, Workspace>::new(scene)?),
-        })
+        let sight = match scene.counts().occluders {
+            0 => Sight::None,
+            _ => sight,
+        };
+        let light = Light::<A, SAMPLES, EMITTERS, L, _>::with_sight(scene, Looking::with(sight))?;
+        Ok(Box::new(light))
     }
     let counts = scene.counts();
     match (counts.channels, counts.coefficients) {

@@ -130,6 +130,14 @@ where
     where
         V: Default,
     {
+        Self::with_sight(scene, V::default())
+    }
+
+    /// As [`new`](Self::new), with the caller's workspace.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_sight(scene: Scene<'t>, sight: V) -> Result<Self, Error> {
         let full = |what, needed: usize, have: usize| Error::Capacity {
             what,
             needed: needed as u32,
@@ -164,7 +172,7 @@ where
             irradiance: Vec::new(),
             emitters: Vec::new(),
             form_factors: 0,
-            sight: V::default(),
+            sight,
             rung: PhantomData,
         };
         let (samples, emitters) = (scene.samples().len(), scene.emitters().len());
@@ -177,6 +185,11 @@ where
             .resize(emitters, Shot::NOTHING)
             .map_err(|_| full(What::Emitters, emitters, EMITTERS))?;
         Ok(light)
+    }
+
+    /// The workspace it looks with.
+    pub fn sight(&self) -> &V {
+        &self.sight
     }
 
     /// The scene.
