@@ -188,7 +188,7 @@ fn light_reflected_twice_is_light_reflected_once_gathered() {
         for (wall, outline, sign) in parts {
             let height = wall.normal.dot(position - wall.vertices[0]);
             let shown = sign * wall.reflectance[0] / std::f64::consts::PI * height;
-            sum += over_polygon(outline, 14, &mut |y| {
+            sum += over_polygon(outline, 5, &mut |y| {
                 let r = y - position;
                 let first = once.irradiance(y, wall.normal) - direct.irradiance(y, wall.normal);
                 shown * first * normal.dot(r).max(0.0) / r.length_squared().powi(2)

@@ -161,13 +161,13 @@ fn the_cameras_of_rooms_see_the_rooms() {
         ),
         (
             shipped::CORNELL,
-            0.9,
-            &["floor", "light", "right", "left0", "tall_top"],
+            0.65,
+            &["floor", "light", "right", "left0", "short_top"],
         ),
         (
             shipped::CORNELL_RGB,
-            0.9,
-            &["floor", "light", "right", "left0", "tall_top"],
+            0.65,
+            &["floor", "light", "right", "left0", "short_top"],
         ),
         (
             shipped::OFFICE,

@@ -7,8 +7,10 @@
 //!
 //! * Direct light is analytic in any scene, `E = Σ π L F` over the visible
 //!   parts of the luminaires ([`form_factor()`]).
-//! * Light reflected once where nothing can come in between: adaptive product
-//!   Gauss rules, to 1e-9.
+//! * Light reflected once in a scene whose surfaces and named points nothing
+//!   can come between: adaptive product Gauss rules, to 1e-9. A point asked
+//!   for elsewhere, behind one of the surfaces, gets its direct light right,
+//!   but reflected light as if the surface were not there.
 //! * Everything else: Galerkin radiosity with exact visibility and a final
 //!   gather, on meshes refined until two agree to 0.1 %.
 //!
