@@ -65,7 +65,17 @@ pub(super) fn plan(
             progress.finish();
             plan
         }
-        Emitters::Linear => plan::patches::linear(&scene, &scene.budget),
+        Emitters::Linear => {
+            let direct = judge(&scene, Reflections::AtMost(0))?;
+            let progress = Progress::start("planning", 0);
+            let mean = |[r, g, b]: [f64; 3]| (r + g + b) / 3.0;
+            let field = |places: &[(DVec3, DVec3)]| -> Vec<f64> {
+                direct.light_at(places).into_iter().map(mean).collect()
+            };
+            let plan = plan::patches::linear(&scene, &scene.budget, &field);
+            progress.finish();
+            plan
+        }
     };
     let plan =
         plan.map_err(|error| Failure::limit(error, "change [budget] samples in the scene"))?;

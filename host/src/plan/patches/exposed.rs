@@ -74,7 +74,7 @@ impl Exposed {
             .collect()
     }
 
-    fn cell(&self, low: [f64; 2], high: [f64; 2]) -> Option<Cell> {
+    pub(super) fn cell(&self, low: [f64; 2], high: [f64; 2]) -> Option<Cell> {
         let rectangle: Ring = vec![low, [high[0], low[1]], high, [low[0], high[1]]];
         let whole = (high[0] - low[0]) * (high[1] - low[1]);
         let parts: Vec<Vec<Ring>> =

@@ -4,16 +4,19 @@
 //! the surface's exposed part is a patch. Its radiosity is linear in place,
 //! fitted to irradiance at places of its own: direct light at one set of them,
 //! reflected light at another, smaller one, because shadows have edges and
-//! reflected light has hardly any. Nothing here asks for the light: a plan
-//! depends on the geometry and the budget alone.
+//! reflected light has hardly any. Cells are halved where direct light is
+//! farthest from linear, so that patches gather at the edges of shadows.
 
 mod exposed;
 mod places;
+mod refine;
 pub(crate) mod shapes;
 
-use super::{Plan, Sample, SurfacePlan, Tag, Unplannable, spacing};
+use super::{Field, Plan, Sample, SurfacePlan, Tag, Unplannable, spacing};
 use crate::scene::frame::Frame;
 use crate::scene::{Budget, Scene};
+use exposed::{Cell, Exposed};
+use refine::Refinement;
 
 /// A part of a surface whose radiosity is linear.
 #[derive(Clone, Debug)]
@@ -33,7 +36,11 @@ pub struct Patch {
 }
 
 /// Patches in all where the scene sets no budget.
-const DEFAULT_PATCHES: usize = 400;
+const DEFAULT_PATCHES: usize = 300;
+
+/// The part of the patches that is there from the start is one in so many; the
+/// others come from halving those that fit worst.
+const COARSE: usize = 3;
 
 /// Places along each side of a cell, for direct and for reflected light, best
 /// first; the budget decides.
@@ -45,47 +52,39 @@ const ENOUGH: usize = 80;
 
 /// Plans a scene with linear patches.
 ///
-/// The samples of [`Budget::samples`] are what direct and reflected light is
-/// evaluated at, both counted. Costs a few polygon intersections a patch.
+/// `direct` gives direct light: where a straight line does not follow it, at
+/// the edge of a shadow, patches are smaller. The samples of
+/// [`Budget::samples`] are what direct and reflected light is evaluated at, both
+/// counted. Costs some tens of values of `direct` a patch.
 ///
 /// # Errors
 /// [`Unplannable`] where the budget is too small, or too large for the tables.
-pub fn linear(scene: &Scene, budget: &Budget) -> Result<Plan, Unplannable> {
-    let exposed: Vec<Option<exposed::Exposed>> = (0..scene.surfaces.len())
+pub fn linear(scene: &Scene, budget: &Budget, direct: &Field<'_>) -> Result<Plan, Unplannable> {
+    let exposed: Vec<Option<Exposed>> = (0..scene.surfaces.len())
         .map(|index| {
-            scene.surfaces[index]
-                .reflects()
-                .then(|| exposed::Exposed::new(scene, index))
+            let surface = &scene.surfaces[index];
+            surface.reflects().then(|| Exposed::new(scene, index))
         })
         .collect();
     let reflecting = exposed.iter().flatten().count();
     let (patches, places) = division(reflecting, budget)?;
-    let density = density(&exposed, patches);
-    let mut surfaces: Vec<SurfacePlan> = scene
-        .surfaces
-        .iter()
-        .zip(&exposed)
-        .map(|(surface, exposed)| match exposed {
-            Some(exposed) => of_surface(exposed, exposed.cells(density), places),
+    let density = density(&exposed, patches / COARSE);
+    let cut = |(index, exposed): (usize, &Option<Exposed>)| {
+        let cells = exposed.as_ref().map(|e| e.cut(e.cells(density)));
+        cells.into_iter().flatten().map(move |cell| (index, cell))
+    };
+    let coarse: Vec<(usize, Cell)> = exposed.iter().enumerate().flat_map(cut).collect();
+    let mut cells: Vec<Vec<Cell>> = exposed.iter().map(|_| Vec::new()).collect();
+    for (index, cell) in Refinement::new(scene, &exposed, direct).refine(coarse, patches) {
+        cells[index].push(cell);
+    }
+    let surfaces = (scene.surfaces.iter().zip(&exposed))
+        .zip(cells)
+        .map(|((surface, exposed), cells)| match exposed {
+            Some(exposed) => of_surface(exposed, cells, places),
             None => SurfacePlan::without_samples(Frame::new(surface)),
         })
         .collect();
-    if let Some(allowed) = budget.samples {
-        // Cells of irregular surfaces count as one each, so the first division
-        // can only be too generous by a few.
-        let mut density = density;
-        while surfaces.iter().map(|s| s.samples.len() as u64).sum::<u64>() > allowed {
-            density *= 0.98;
-            if exposed.iter().flatten().all(|e| e.cells(density) == [1, 1]) {
-                break;
-            }
-            for (planned, exposed) in surfaces.iter_mut().zip(&exposed) {
-                if let Some(exposed) = exposed {
-                    *planned = of_surface(exposed, exposed.cells(density), places);
-                }
-            }
-        }
-    }
     let plan = Plan { surfaces };
     let needed = plan.samples() as u64;
     match budget.samples {
@@ -120,7 +119,7 @@ fn division(reflecting: usize, budget: &Budget) -> Result<(usize, [usize; 2]), U
 
 /// The density of cells at which there are as many as asked for, or hardly
 /// fewer.
-fn density(exposed: &[Option<exposed::Exposed>], patches: usize) -> f64 {
+fn density(exposed: &[Option<Exposed>], patches: usize) -> f64 {
     let count = |density: f64| -> usize {
         let cells = exposed.iter().flatten().map(|e| e.cells(density));
         cells.map(|[along, across]| along * across).sum()
@@ -129,7 +128,7 @@ fn density(exposed: &[Option<exposed::Exposed>], patches: usize) -> f64 {
     let largest = exposed
         .iter()
         .flatten()
-        .map(exposed::Exposed::longest)
+        .map(Exposed::longest)
         .fold(f64::MIN_POSITIVE, f64::max);
     let (mut low, mut high) = (0.0, patches as f64 / largest.sqrt() + 1.0 / largest.sqrt());
     for _ in 0..60 {
@@ -143,15 +142,11 @@ fn density(exposed: &[Option<exposed::Exposed>], patches: usize) -> f64 {
     low
 }
 
-fn of_surface(
-    exposed: &exposed::Exposed,
-    cells: [usize; 2],
-    [direct, reflected]: [usize; 2],
-) -> SurfacePlan {
+fn of_surface(exposed: &Exposed, cells: Vec<Cell>, [direct, reflected]: [usize; 2]) -> SurfacePlan {
     let mut patches = Vec::new();
     let mut samples: [Vec<Sample>; 2] = [Vec::new(), Vec::new()];
     let mut members = Vec::new();
-    for cell in exposed.cut(cells) {
+    for cell in cells {
         let mut own = [Vec::new(), Vec::new()];
         for (kind, (side, tag)) in [(direct, Tag::Direct), (reflected, Tag::Reflected)]
             .into_iter()
