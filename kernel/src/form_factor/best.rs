@@ -1,6 +1,6 @@
 //! The default rung.
 
-use super::{Arithmetic, Outline, half_angle, residual};
+use super::{Arithmetic, Outline, residual, snell};
 use crate::geometry::{Receiver, Vector};
 use crate::number::{Floating, Root, SoftRoot};
 use core::marker::PhantomData;
@@ -28,7 +28,7 @@ impl<N: Floating, R: Root<N> + Copy> Arithmetic<N> for Best<R> {
         if residual::is_small(receiver, outline) {
             residual::contour(receiver, outline)
         } else {
-            half_angle::contour::<8, N, R>(receiver, facing, outline)
+            snell::contour::<6, N, R>(receiver, facing, outline)
         }
     }
 }

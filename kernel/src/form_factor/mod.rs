@@ -40,12 +40,12 @@ mod clipped;
 #[cfg(feature = "fixed")]
 #[cfg_attr(docsrs, doc(cfg(feature = "fixed")))]
 pub mod fixed_point;
-mod half_angle;
 #[cfg(feature = "micromath")]
 mod micro;
 mod paper;
 mod poly;
 mod residual;
+mod snell;
 
 pub use best::Best;
 pub use clipped::{SeenPlane, of_clipped};

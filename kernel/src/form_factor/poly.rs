@@ -1,6 +1,6 @@
 //! The rungs without a special case for small emitters.
 
-use super::{Arithmetic, Outline, half_angle};
+use super::{Arithmetic, Outline, snell};
 use crate::geometry::{Receiver, Vector};
 use crate::number::{Floating, Root, SoftRoot};
 use core::marker::PhantomData;
@@ -33,6 +33,6 @@ impl<const DEGREE: usize, N: Floating, R: Root<N> + Copy> Arithmetic<N> for Poly
 
     #[inline]
     fn contour(receiver: &Receiver<N>, facing: Vector<N>, outline: &Outline<'_, N>) -> N {
-        half_angle::contour::<DEGREE, N, R>(receiver, facing, outline)
+        snell::contour::<DEGREE, N, R>(receiver, facing, outline)
     }
 }

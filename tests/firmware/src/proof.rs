@@ -149,8 +149,8 @@ mod entries {
         fn isolux_entry_clip(places: &[Place<f32>], out: &mut Corners<f32, 8>) -> Result<(), Error> {
             clip::polygon(places.iter().copied(), out)
         }
-        fn isolux_entry_scaled_arctangent(q: f32) -> f32 {
-            number::scaled_arctangent::<8, f32>(q)
+        fn isolux_entry_angle_over_sine(z: f32) -> f32 {
+            number::angle_over_sine::<6, f32>(z)
         }
         fn isolux_entry_residual_arctangent(w: f32) -> f32 {
             number::residual_arctangent(w)
