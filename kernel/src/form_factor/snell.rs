@@ -127,9 +127,12 @@ impl<'a, N: Floating, R: Root<N> + Copy> Tracked<'a, N, R> {
     /// Where an edge seen under nearly 180° crosses the horizon: along
     /// (a×b)×n, a being the end above it. Along the edge the place is known to
     /// u L only, which may be many times the distance to it.
+    ///
+    /// `None` where the edge's plane is within 0.06° of the horizon: then that
+    /// direction is the worse one, and the cap takes back what either is off by.
     #[cold]
     #[inline(never)]
-    fn wide_crossing(&self, other: &Self) -> Self {
+    fn wide_crossing(&self, other: &Self) -> Option<Self> {
         let (inner, outer) = if self.vertex.height >= N::ZERO {
             (self, other)
         } else {
@@ -137,7 +140,9 @@ impl<'a, N: Floating, R: Root<N> + Copy> Tracked<'a, N, R> {
         };
         let scale = N::ONE / (inner.vertex.norm * outer.vertex.norm);
         let c = inner.accurate_cross(outer) * scale;
-        self.crossing(c.cross(self.view.receiver.normal()), N::ONE)
+        let along = c.cross(self.view.receiver.normal());
+        let steep = along.norm_squared() > N::of(1.0 / 1_048_576.0) * c.norm_squared();
+        steep.then(|| self.crossing(along, N::ONE))
     }
 }
 
@@ -155,8 +160,8 @@ impl<N: Floating, R: Root<N> + Copy> Corner<N> for Tracked<'_, N, R> {
     #[inline(always)]
     fn toward(&self, other: &Self, t: N) -> Self {
         let (_, wide) = self.cross(other);
-        if wide {
-            return self.wide_crossing(other);
+        if wide && let Some(crossing) = self.wide_crossing(other) {
+            return crossing;
         }
         let (a, b) = (self.vertex.position, other.vertex.position);
         let inside = self.vertex.height >= N::ZERO;
@@ -246,7 +251,8 @@ fn wide_term<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
     }
     let along = a.view.receiver.normal().dot(c) / sine;
     let (a, b) = (&a.vertex, &b.vertex);
-    let of_part = R::sqrt(a.position.cross(b.position).norm_squared());
+    // With its sign: a crossing may be rounded to the other side of its end.
+    let of_part = a.position.cross(b.position).dot(c) / sine;
     angle::<DEGREE, N, R>(a, b, of_part) * along
 }
 
@@ -257,12 +263,16 @@ impl<'a, const DEGREE: usize, N: Floating, R: Root<N> + Copy> Edges<N, Tracked<'
 
     #[inline(always)]
     fn whole(&self, sum: N, from: Tracked<'a, N, R>, to: Tracked<'a, N, R>) -> N {
-        self.cut(sum, [from, to], [from, to])
+        let normal = from.view.receiver.normal();
+        sum + match plain_term::<DEGREE, N, R>(normal, &from.vertex, &to.vertex) {
+            Some(term) => term,
+            None => wide_term::<DEGREE, N, R>([&from, &to], [&from, &to]),
+        }
     }
 
     /// γ n·c/|c| with γ of the part and c of the whole edge: close to an edge,
     /// rounding a crossing would turn the plane it spans with the receiver.
-    #[inline(never)]
+    #[inline(always)]
     fn cut(&self, sum: N, [a, b]: [Tracked<'a, N, R>; 2], [from, to]: [Tracked<'a, N, R>; 2]) -> N {
         let (c, wide) = from.cross(&to);
         sum + if wide {
