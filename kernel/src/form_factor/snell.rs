@@ -378,3 +378,43 @@ pub(super) fn contour<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
 ) -> N {
     sum::<DEGREE, N, R>(receiver, facing, outline.vertices())
 }
+
+/// The same over a loop that has been clipped already: its vertices relative
+/// to the receiver; the edge from vertex number `cap` runs along the horizon.
+#[inline]
+pub(super) fn closed<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
+    normal: Vector<N>,
+    facing: Vector<N>,
+    places: impl Iterator<Item = Vector<N>>,
+    cap: Option<usize>,
+) -> N {
+    let receiver = Receiver::of_unit(Vector::ZERO, normal);
+    let receiver = &receiver;
+    let view = View { receiver, facing };
+    // Rounding took nothing from places that are relative already.
+    let source = [N::ZERO; 3];
+    let mut vertices = places.map(|place| Tracked::<N, R> {
+        vertex: Vertex::at(place, N::ZERO),
+        part: N::ONE,
+        source: &source,
+        view: &view,
+    });
+    let Some(first) = vertices.next() else {
+        return N::ZERO;
+    };
+    let snell = Snell::<DEGREE>;
+    let add = |sum, index, from, to| {
+        if cap == Some(index) {
+            snell.cap(sum, from, to)
+        } else {
+            snell.whole(sum, from, to)
+        }
+    };
+    let (mut sum, mut from, mut index) = (N::ZERO, first, 0_usize);
+    for to in vertices {
+        sum = add(sum, index, from, to);
+        from = to;
+        index = index.wrapping_add(1);
+    }
+    add(sum, index, from, first)
+}
