@@ -17,6 +17,9 @@ mod planned;
 use cost_cases::{CASES, VERTICES};
 use cost_samples::{RECEIVERS, Samples};
 use isolux::form_factor::fixed_point::{self, Format, Q24, Q29};
+use isolux::form_factor::{Baked, Edge, Outline, of_baked_loops};
+use isolux::geometry::Plane;
+use isolux::number::SoftRoot;
 use isolux_host::device::Cost;
 use isolux_host::solve::{FormFactorRung, Rung};
 use ledger::Row;
@@ -87,6 +90,7 @@ fn answers_compared(costs: &[Cost]) -> usize {
         let expected = match (cost.operation.as_str(), cost.rung.as_str()) {
             ("form-factor", "q24") => fixed_form_factors::<Q24>(cost),
             ("form-factor", "q29") => fixed_form_factors::<Q29>(cost),
+            ("form-factor", "baked") => baked_form_factors(cost),
             ("form-factor", _) => form_factors(cost),
             ("delta-form-factors", _) => classical(cost.size),
             ("outline", _) => continue,
@@ -107,6 +111,20 @@ fn form_factors(cost: &Cost) -> f32 {
     (0..RECEIVERS).fold(0.0, |sum, index| {
         let receiver = case.receiver(index).expect("a receiver");
         sum + rung.form_factor_at(&receiver, &corners[..cost.size])
+    })
+}
+
+fn baked_form_factors(cost: &Cost) -> f32 {
+    let mut cases = CASES.iter();
+    let case = cases.find(|case| case.name == cost.case).expect("a case");
+    let corners = case.emitter(cost.size);
+    let corners = &corners[..cost.size];
+    let edges: Vec<Edge> = Edge::of_loop(corners).collect();
+    let baked = Baked::new(Outline::new(corners), &edges).expect("a table of its edges");
+    let plane = Plane::of_polygon(corners);
+    (0..RECEIVERS).fold(0.0, |sum, index| {
+        let receiver = case.receiver(index).expect("a receiver");
+        sum + of_baked_loops::<SoftRoot>(&receiver, &plane, [baked].into_iter())
     })
 }
 

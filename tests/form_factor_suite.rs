@@ -15,7 +15,9 @@
 //! the table of what was measured.
 
 use isolux::form_factor::fixed_point::{Q24, Q29};
-use isolux::form_factor::{Arithmetic, Best, Libm, Outline, form_factor, of_loops};
+use isolux::form_factor::{
+    Arithmetic, Baked, Best, Edge, Libm, Outline, form_factor, of_baked_loops, of_loops,
+};
 use isolux::geometry::{Plane, Receiver};
 use isolux::number::{Number, SoftRoot};
 use isolux_host::solve::{FormFactorRung, fixed_form_factor};
@@ -129,8 +131,18 @@ fn answers(p: [f64; 3], n: [f64; 3], v: &[[f64; 3]]) -> [f64; 6] {
     ]
 }
 
-/// The answers of every rung of the ladder, and those in double precision,
-/// with half an ulp of 1.
+/// The answer of `best` with a table of the emitter's edges.
+fn baked(p: [f64; 3], n: [f64; 3], v: &[[f64; 3]]) -> f64 {
+    let vertices: Vec<[f32; 3]> = v.iter().map(|&v| single(v)).collect();
+    let receiver = Receiver::new::<SoftRoot>(single(p), single(n)).expect("a receiver");
+    let edges: Vec<Edge> = Edge::of_loop(&vertices).collect();
+    let baked = Baked::new(Outline::new(&vertices), &edges).expect("a table of its edges");
+    let plane = Plane::of_polygon(&vertices);
+    of_baked_loops::<SoftRoot>(&receiver, &plane, [baked].into_iter()).into()
+}
+
+/// The answers of every rung of the ladder, of `best` with a table, and those
+/// in double precision, with half an ulp of 1.
 fn all_answers(case: &Case) -> Vec<(String, f64, f64)> {
     let vertices: Vec<[f32; 3]> = case.v.iter().map(|&v| single(v)).collect();
     let ladder = FormFactorRung::ALL.into_iter().map(|rung| {
@@ -144,7 +156,13 @@ fn all_answers(case: &Case) -> Vec<(String, f64, f64)> {
     });
     let [_, _, best, libm, ..] = answers(case.p, case.n, &case.v);
     let double = [("best f64", best), ("libm f64", libm)];
+    let table = (
+        "baked f32".to_owned(),
+        baked(case.p, case.n, &case.v),
+        SINGLE,
+    );
     ladder
+        .chain([table])
         .chain(double.map(|(name, answer)| (name.to_owned(), answer, DOUBLE)))
         .collect()
 }

@@ -21,6 +21,8 @@ mod exchange;
 mod extremes;
 #[path = "laws/judged.rs"]
 mod judged;
+#[path = "laws/ladder.rs"]
+mod ladder;
 #[path = "laws/shapes.rs"]
 mod shapes;
 #[path = "laws/symmetry.rs"]

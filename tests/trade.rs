@@ -19,19 +19,20 @@ const COMMAND: &str = "cargo run --release --bin isolux -- trade -o benches/trad
 /// What a cost or an error may be above its committed value: 3 %.
 const ALLOWANCE: f64 = 1.03;
 
-/// The laws: the largest |F − exact| of all classes but `near_edge`, and of the
-/// class `huge`, where every edge may err to the same side. The fit of
-/// atan(√q)/√q errs relatively by 2.1e-4, 4.4e-6 and 1.5e-8 (in degree 3, 5 and
-/// 8), and the sum of |angles| over a turn is at most 1 for a convex loop.
+/// The laws: the largest |F − exact| of all classes, and of those in which a
+/// receiver may be close to an edge or to the plane. The fits err
+/// relatively by 6.8e-5, 3.0e-7 and 1e-10 (`poly3`, `poly5`, `poly8`), and the sum
+/// of |angles| over a turn is at most 1 for a convex loop. `libm` and `micromath`
+/// are yardsticks: theirs are what they are; words turn an edge by u L/h.
 const LAWS: [(&str, f64, f64); 8] = [
-    ("libm", 1.9e-4, 1.9e-4),
-    ("micromath", 5e-2, 5e-2),
-    ("poly3", 1.5e-4, 2.2e-4),
-    ("poly5", 2.5e-6, 4.5e-6),
+    ("libm", 1.9e-4, 6e-2),
+    ("micromath", 5e-2, 1e-1),
+    ("poly3", 7.5e-5, 7.5e-5),
+    ("poly5", 5e-7, 5e-7),
     ("poly8", 2.5e-7, 2.5e-7),
     ("best", 2.5e-7, 2.5e-7),
-    ("q24", 5e-6, 5e-6),
-    ("q29", 5e-8, 5e-8),
+    ("q24", 5e-6, 2e-1),
+    ("q29", 5e-8, 2e-2),
 ];
 
 fn read(name: &str) -> Vec<Vec<String>> {
@@ -57,7 +58,7 @@ fn no_error_is_above_its_committed_value_or_its_law() {
     for rung in FormFactorRung::ALL {
         let SuiteErrors { classes, .. } = error::judge(rung, &suite);
         let law = LAWS.iter().find(|(name, ..)| *name == rung.name());
-        let &(_, general, huge) = law.expect("every rung has a law");
+        let &(_, general, close) = law.expect("every rung has a law");
         for errors in classes {
             let key = format!("{} {}", rung.name(), errors.class);
             let known = committed[&key];
@@ -68,9 +69,8 @@ fn no_error_is_above_its_committed_value_or_its_law() {
                 errors.max
             );
             let law = match errors.class {
-                CONDITIONED if rung.name() != "micromath" => 2e-2,
                 "backface" => 0.0,
-                "huge" => huge,
+                CONDITIONED | "near_plane" | "huge" => close,
                 _ => general,
             };
             assert!(errors.max <= law, "{key}: {} above {law}", errors.max);

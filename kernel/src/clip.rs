@@ -64,12 +64,25 @@ pub fn walk<N: Number, C: Corner<N>, E: Edges<N, C>>(
     sum: E::Sum,
 ) -> E::Sum {
     let mut corners = corners;
-    let mut sum = sum;
-    let Some(first) = corners.next() else {
-        return sum;
-    };
+    match corners.next() {
+        Some(first) => walk_on(first, first, corners, edges, sum),
+        None => sum,
+    }
+}
+
+/// The rest of a [`walk`] that began at `first` and has come to `from` without
+/// leaving the part inside; `corners` are those behind `from`.
+#[inline(always)]
+pub(crate) fn walk_on<N: Number, C: Corner<N>, E: Edges<N, C>>(
+    first: C,
+    from: C,
+    corners: impl Iterator<Item = C>,
+    edges: &E,
+    sum: E::Sum,
+) -> E::Sum {
+    let (mut corners, mut sum) = (corners, sum);
     let mut gap = Gap::default();
-    let mut from = first;
+    let mut from = from;
     loop {
         let next = corners.next();
         let to = next.unwrap_or(first);

@@ -39,7 +39,7 @@ fn rule(polygon: &[DVec3], panels: usize) -> Vec<(DVec3, f64)> {
     nodes
 }
 
-fn facing(polygon: &[DVec3]) -> DVec3 {
+pub(crate) fn facing(polygon: &[DVec3]) -> DVec3 {
     (polygon[1] - polygon[0])
         .cross(polygon[2] - polygon[0])
         .normalize()
@@ -148,7 +148,7 @@ proptest! {
 }
 
 /// The six inward faces of a box from the origin.
-fn room(size: DVec3) -> [Vec<DVec3>; 6] {
+pub(crate) fn room(size: DVec3) -> [Vec<DVec3>; 6] {
     let corner = |i: usize| DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64) * size;
     [
         [0, 1, 3, 2],
@@ -196,7 +196,7 @@ where
 }
 
 /// A place in a unit box on a lattice, so that faces hold it exactly.
-fn inside() -> impl Strategy<Value = DVec3> {
+pub(crate) fn inside() -> impl Strategy<Value = DVec3> {
     prop::array::uniform3(1..256_i32).prop_map(|x| DVec3::from(x.map(f64::from)) / 256.0)
 }
 

@@ -61,11 +61,11 @@ const EDGES: [f64; 17] = [
     f64::NAN,
 ];
 
-fn edge() -> impl Strategy<Value = [f64; 3]> {
+pub(crate) fn edge() -> impl Strategy<Value = [f64; 3]> {
     prop::array::uniform3(prop::sample::select(&EDGES[..]))
 }
 
-fn bits() -> impl Strategy<Value = [f32; 3]> {
+pub(crate) fn bits() -> impl Strategy<Value = [f32; 3]> {
     prop::array::uniform3(any::<u32>().prop_map(f32::from_bits))
 }
 

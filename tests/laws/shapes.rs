@@ -148,6 +148,11 @@ pub(crate) fn upright_view() -> impl Strategy<Value = View> {
     })
 }
 
+/// A receiver in front of a simple polygon of up to 32 corners.
+pub(crate) fn many_cornered_view() -> impl Strategy<Value = View> {
+    seen(star(32))
+}
+
 /// A receiver in front of a convex polygon of up to 8 corners.
 pub(crate) fn convex_view() -> impl Strategy<Value = View> {
     seen(convex(8))

@@ -53,7 +53,7 @@ fn same_bits_on_all(a: &View, b: &View) -> Result<(), TestCaseError> {
     same_bits::<Libm, f64>(a, b)
 }
 
-fn moved(view: &View, p: impl Fn(DVec3) -> DVec3, n: impl Fn(DVec3) -> DVec3) -> View {
+pub(crate) fn moved(view: &View, p: impl Fn(DVec3) -> DVec3, n: impl Fn(DVec3) -> DVec3) -> View {
     View {
         p: p(view.p.into()).to_array(),
         n: n(view.n.into()).to_array(),
@@ -77,7 +77,7 @@ fn rounded(view: &View, u: f64) -> f64 {
 }
 
 /// The 24 turns that map the axes to each other.
-fn quarter_turns() -> Vec<DMat3> {
+pub(crate) fn quarter_turns() -> Vec<DMat3> {
     let axes = [
         DVec3::X,
         DVec3::Y,

@@ -5,7 +5,7 @@
 //! ones as residuals, the others by half angles, and an edge that the horizon
 //! cut keeps its exact term through every later cut.
 
-use super::{half_angle, residual};
+use super::{residual, snell};
 use crate::geometry::Vector;
 use crate::number::{Floating, Root};
 
@@ -70,7 +70,7 @@ pub fn of_clipped<N: Floating, R: Root<N> + Copy>(
         residual::closed(seen.normal, first, offsets)
     } else {
         let places = corners.iter().map(|&corner| seen.place(corner));
-        half_angle::closed::<8, N, R>(seen.normal, seen.facing, places, cap)
+        snell::closed::<6, N, R>(seen.normal, seen.facing, places, cap)
     };
     super::fraction(sum * N::of(-0.5 / core::f64::consts::PI))
 }

@@ -35,18 +35,20 @@
 //! Coordinates relative to the receiver between 1e-8 and 1e8 in magnitude
 //! (squares and fourth powers of distances must stay normal numbers of `f32`).
 
+mod baked;
 mod best;
 mod clipped;
 #[cfg(feature = "fixed")]
 #[cfg_attr(docsrs, doc(cfg(feature = "fixed")))]
 pub mod fixed_point;
-mod half_angle;
 #[cfg(feature = "micromath")]
 mod micro;
 mod paper;
 mod poly;
 mod residual;
+mod snell;
 
+pub use baked::{Baked, Edge, of_baked_loops};
 pub use best::Best;
 pub use clipped::{SeenPlane, of_clipped};
 #[cfg(feature = "micromath")]
@@ -143,14 +145,22 @@ pub fn of_loops<'a, A: Arithmetic<N>, N: Number + 'a>(
     plane: &Plane<N>,
     outlines: impl Iterator<Item = Outline<'a, N>>,
 ) -> N {
+    let sums = outlines.map(|outline| A::contour(receiver, plane.normal, &outline));
+    seen(receiver, plane, sums)
+}
+
+/// F from the sums over the loops of a polygon; none is asked for where the
+/// receiver is on or behind the polygon's plane.
+#[inline]
+fn seen<N: Number>(receiver: &Receiver<N>, plane: &Plane<N>, sums: impl Iterator<Item = N>) -> N {
     if plane.height(receiver.position()) <= N::ZERO {
         return N::ZERO;
     }
-    let mut sum = N::ZERO;
-    for outline in outlines {
-        sum = sum + A::contour(receiver, plane.normal, &outline);
+    let mut total = N::ZERO;
+    for sum in sums {
+        total = total + sum;
     }
-    fraction(sum * N::of(-0.5 / core::f64::consts::PI))
+    fraction(total * N::of(-0.5 / core::f64::consts::PI))
 }
 
 /// The vertices of a loop relative to a receiver, with their heights above its

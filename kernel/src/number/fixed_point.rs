@@ -9,7 +9,6 @@
 //! 32 by 32 bits of which the upper word is kept.
 
 use super::Number;
-use super::arctangent::{SCALED_5, SCALED_8};
 use core::ops::{Add, Div, Mul, Neg, Sub};
 use fixed::types::{I3F29, I8F24};
 
@@ -220,11 +219,35 @@ const ARCTANGENT_NARROW_5: [u32; 6] = fractions(&[
 /// 0.1715 in units of 2^−32: below it the narrow fits hold.
 const NARROW: u32 = 736_586_891;
 
-const ARCTANGENT_5: [u32; 6] = fractions(&SCALED_5);
-const ARCTANGENT_8: [u32; 9] = fractions(&SCALED_8);
+/// h(q) on 0 ≤ q ≤ 1, relative error 4.4e-6.
+const ARCTANGENT_5: [u32; 6] = fractions(&[
+    0.9999956297,
+    -0.3329946013,
+    0.1956359517,
+    -0.1212391229,
+    0.05747735311,
+    -0.01348047933,
+]);
+/// h(q) on 0 ≤ q ≤ 1, relative error 1.5e-8.
+const ARCTANGENT_8: [u32; 9] = fractions(&[
+    0.9999999848,
+    -0.3333307335,
+    0.1999261945,
+    -0.1420364493,
+    0.1064093576,
+    -0.07504298228,
+    0.04269156382,
+    -0.01606865739,
+    0.002849897048,
+]);
 
-/// h(q) = atan(√q)/√q for 0 ≤ q < 1, both in units of 2^−32, by the fits of
-/// [`super::scaled_arctangent`] of degree 5 or 8; other degrees do not compile.
+/// h(q) = atan(√q)/√q for 0 ≤ q < 1, both in units of 2^−32, by minimax fits
+/// of degree 5 or 8; other degrees do not compile.
+///
+/// With q = tan²(γ/2) it turns the half-angle tangent of an edge into its
+/// angle, γ = 2 √q h(q), for γ ≤ 90°. The variable of
+/// [`super::angle_over_sine`] needs fewer powers over the whole domain, but here
+/// most edges are in the narrow part, where this one needs fewer still.
 ///
 /// The coefficients alternate in sign and fall, so Horner's partial sums do
 /// too: each is a coefficient less a fraction of the one before and never

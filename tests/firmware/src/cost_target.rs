@@ -5,7 +5,9 @@ use core::sync::atomic::{Ordering, compiler_fence};
 
 use isolux::Error;
 use isolux::form_factor::fixed_point::{self, Format, Q24, Q29};
-use isolux::form_factor::{Best, Libm, Micromath, Outline, Poly3, Poly5, Poly8, of_loops};
+use isolux::form_factor::{
+    Baked, Best, Edge, Libm, Micromath, Outline, Poly3, Poly5, Poly8, of_baked_loops, of_loops,
+};
 use isolux::geometry::{Plane, Receiver};
 use isolux::number::SoftRoot;
 use semihosting::process;
@@ -103,6 +105,15 @@ fn isolux_rung_q29(
     fixed_point::of_loops(receiver, plane, core::iter::once(outline))
 }
 
+/// `best` with a table of the emitter's edges.
+type BakedEntry = fn(&Receiver<f32>, &Plane<f32>, &Baked<'_>) -> f32;
+
+#[inline(never)]
+#[unsafe(no_mangle)]
+fn isolux_rung_baked_fpu(receiver: &Receiver<f32>, plane: &Plane<f32>, baked: &Baked<'_>) -> f32 {
+    of_baked_loops::<Chosen>(receiver, plane, core::iter::once(*baked))
+}
+
 /// The plane and the reach of an emitter that is given by its vertices alone.
 #[inline(never)]
 fn outline<'a>(vertices: &'a [[f32; 3]]) -> (Plane<f32>, Outline<'a, f32>) {
@@ -188,6 +199,10 @@ fn run() -> Result<(), Error> {
                 form_factors(&meter, case, vertices, rung)?;
                 lines += 1;
             }
+            if HARDWARE_ROOT {
+                baked_form_factors(&meter, case, vertices)?;
+                lines += 1;
+            }
             fixed_form_factors(&meter, case, vertices, ("q24", isolux_rung_q24))?;
             fixed_form_factors(&meter, case, vertices, ("q29", isolux_rung_q29))?;
             lines += 2;
@@ -221,6 +236,28 @@ fn form_factors(meter: &Meter, case: &Case, vertices: usize, rung: &Rung) -> Res
         isolux_rung_end();
     }
     account.log(["form-factor", rung.name, rung.root, case.name], vertices);
+    Ok(())
+}
+
+fn baked_form_factors(meter: &Meter, case: &Case, vertices: usize) -> Result<(), Error> {
+    let corners = case.emitter(vertices);
+    let corners = &corners[..vertices];
+    let (plane, outline) = outline(corners);
+    let mut edges = [Edge::default(); 8];
+    for (slot, edge) in edges.iter_mut().zip(Edge::of_loop(corners)) {
+        *slot = edge;
+    }
+    let Some(baked) = Baked::new(outline, &edges[..vertices]) else {
+        return Ok(());
+    };
+    let entry: BakedEntry = black_box(isolux_rung_baked_fpu);
+    let mut account = Account::default();
+    for index in 0..RECEIVERS {
+        let receiver = case.receiver(index)?;
+        account.add(meter.measure(|| entry(&receiver, &plane, &baked)));
+        isolux_rung_end();
+    }
+    account.log(["form-factor", "baked", "fpu", case.name], vertices);
     Ok(())
 }
 

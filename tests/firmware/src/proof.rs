@@ -29,7 +29,9 @@ mod entries {
     use cortex_m as _; // the vector table's exceptions
     use isolux::clip::{self, Corners, Place};
     use isolux::form_factor::fixed_point::{self, Q24, Q29, Scale};
-    use isolux::form_factor::{self, Best, Libm, Micromath, Outline, Poly3, Poly5, Poly8};
+    use isolux::form_factor::{
+        self, Baked, Best, Edge, Libm, Micromath, Outline, Poly3, Poly5, Poly8, of_baked_loops,
+    };
     use isolux::geometry::{Plane, Receiver};
     use isolux::luminance::Constant;
     use isolux::number::{self, Root, SoftRoot};
@@ -143,14 +145,21 @@ mod entries {
         fn isolux_entry_receiver(position: [f32; 3], normal: [f32; 3]) -> Result<Receiver<f32>, Error> {
             Receiver::new::<Chosen>(position, normal)
         }
+        fn isolux_entry_form_factor_baked(receiver: &Receiver<f32>, plane: &Plane<f32>, vertices: &[[f32; 3]], edges: &[Edge]) -> f32 {
+            let baked = Baked::new(Outline::new(vertices), edges);
+            of_baked_loops::<Chosen>(receiver, plane, baked.into_iter())
+        }
+        fn isolux_entry_edge(first: [f32; 3], from: [f32; 3], to: [f32; 3]) -> Edge {
+            Edge::new(first, from, to)
+        }
         fn isolux_entry_plane(vertices: &[[f32; 3]]) -> Plane<f32> {
             Plane::of_polygon(vertices)
         }
         fn isolux_entry_clip(places: &[Place<f32>], out: &mut Corners<f32, 8>) -> Result<(), Error> {
             clip::polygon(places.iter().copied(), out)
         }
-        fn isolux_entry_scaled_arctangent(q: f32) -> f32 {
-            number::scaled_arctangent::<8, f32>(q)
+        fn isolux_entry_angle_over_sine(z: f32) -> f32 {
+            number::angle_over_sine::<6, f32>(z)
         }
         fn isolux_entry_residual_arctangent(w: f32) -> f32 {
             number::residual_arctangent(w)

@@ -1,0 +1,420 @@
+//! A loop summed edge by edge with Snell's quotient and exact horizon caps.
+//!
+//! For an edge from a to b, with c = a×b, d = a·b, r = |a||b|, t = r + |d|/2 and
+//! z = (r − |d|)/t,
+//!
+//! ```text
+//! γ/|c| = s(z)/t            where d ≥ 0
+//! γ/|c| = π/|c| − s(z)/t    where d < 0
+//! ```
+//!
+//! with s of [`angle_over_sine`], so that the edge's term γ n·c/|c| needs one
+//! division and, where γ ≤ 90°, no root but those of the vertices' lengths. z
+//! loses its digits where γ or its supplement is small, where s is 3/2 + 3/40 z²
+//! and does not care.
+//!
+//! An edge that the horizon cuts keeps the part f of itself above it, and f c
+//! is the cross product of that part: the whole edge's direction, which rounding
+//! the crossing would turn.
+//!
+//! A cap runs along the horizon, where n·c/|c| is ±1 exactly, so its term is
+//! its angle: computing it as an ordinary edge would cost up to 5e-3 where the
+//! emitter's plane passes close by the receiver. The sign is that of n·c; where
+//! the cap is seen under nearly 180° and n·c drowns in rounding, it is that of
+//! the cap's direction along the line in which the emitter's plane meets the
+//! horizon: for a receiver in front of the emitter, n·(a×b) has the sign of
+//! (b − a)·(m×n), m being the emitter's normal (take a as the line's point
+//! nearest to the receiver: m·a < 0 and n·(a×(m×n)) = −m·a).
+
+use super::Outline;
+use crate::clip::{self, Corner, Edges};
+use crate::geometry::{Receiver, Vector};
+use crate::number::{Floating, Number, Root, angle_over_sine};
+use core::marker::PhantomData;
+
+/// Squared sine below which an edge past 90° is summed with care: beyond 165°,
+/// rounding c would cost more than 2.5e-7.
+const WIDE: f64 = 1.0 / 16.0;
+
+/// What a loop is summed against.
+#[derive(Clone, Copy)]
+struct View<'a, N> {
+    receiver: &'a Receiver<N>,
+    facing: Vector<N>,
+}
+
+/// A vertex relative to the receiver.
+#[derive(Clone, Copy)]
+struct Vertex<N, R> {
+    position: Vector<N>,
+    height: N,
+    norm: N,
+    root: PhantomData<R>,
+}
+
+impl<N: Floating, R: Root<N> + Copy> Vertex<N, R> {
+    #[inline(always)]
+    fn new(vertex: &[N; 3], receiver: &Receiver<N>) -> Self {
+        let position = Vector::from(*vertex) - receiver.position();
+        Self::at(position, receiver.normal().dot(position))
+    }
+
+    #[inline(always)]
+    fn at(position: Vector<N>, height: N) -> Self {
+        Self {
+            position,
+            height,
+            norm: R::sqrt(position.norm_squared()),
+            root: PhantomData,
+        }
+    }
+}
+
+/// A vertex of a loop that is summed with care.
+#[derive(Clone, Copy)]
+struct Tracked<'a, N, R> {
+    vertex: Vertex<N, R>,
+    /// 1; of a crossing, the part of its edge that is above the horizon.
+    part: N,
+    /// The vertex itself, in metres; of a crossing, one end of its edge.
+    source: &'a [N; 3],
+    view: &'a View<'a, N>,
+}
+
+impl<'a, N: Floating, R: Root<N> + Copy> Tracked<'a, N, R> {
+    #[inline(always)]
+    fn new(source: &'a [N; 3], view: &'a View<'a, N>) -> Self {
+        Self {
+            vertex: Vertex::new(source, view.receiver),
+            part: N::ONE,
+            source,
+            view,
+        }
+    }
+
+    /// A crossing of the horizon.
+    #[inline(always)]
+    fn crossing(&self, position: Vector<N>, part: N) -> Self {
+        Self {
+            vertex: Vertex::at(position, N::ZERO),
+            part,
+            ..*self
+        }
+    }
+
+    /// a×b, and whether the edge between them is seen under nearly 180°: then
+    /// the receiver is close to it, and a×b is a small difference of large
+    /// products.
+    #[inline(always)]
+    fn cross(&self, other: &Self) -> (Vector<N>, bool) {
+        let (a, b) = (&self.vertex, &other.vertex);
+        let c = a.position.cross(b.position);
+        let r = a.norm * b.norm;
+        let obtuse = a.position.dot(b.position) < N::ZERO;
+        (c, obtuse && c.norm_squared() < N::of(WIDE) * (r * r))
+    }
+
+    /// a×b also where it is small: the products exact, and what rounding took
+    /// from V − P put back to first order.
+    #[inline(never)]
+    fn accurate_cross(&self, other: &Self) -> Vector<N> {
+        let place = self.view.receiver.position();
+        let rest = |tracked: &Self| Vector::from(*tracked.source).rest_of_difference(place);
+        let (a, b) = (self.vertex.position, other.vertex.position);
+        a.accurate_cross(b) + (rest(self).cross(b) + a.cross(rest(other)))
+    }
+
+    /// Where an edge seen under nearly 180° crosses the horizon: along
+    /// (a×b)×n, a being the end above it. Along the edge the place is known to
+    /// u L only, which may be many times the distance to it.
+    ///
+    /// `None` where the edge's plane is within 0.06° of the horizon: then that
+    /// direction is the worse one, and the cap takes back what either is off by.
+    #[cold]
+    #[inline(never)]
+    fn wide_crossing(&self, other: &Self) -> Option<Self> {
+        let (inner, outer) = if self.vertex.height >= N::ZERO {
+            (self, other)
+        } else {
+            (other, self)
+        };
+        let scale = N::ONE / (inner.vertex.norm * outer.vertex.norm);
+        let c = inner.accurate_cross(outer) * scale;
+        let along = c.cross(self.view.receiver.normal());
+        let steep = along.norm_squared() > N::of(1.0 / 1_048_576.0) * c.norm_squared();
+        steep.then(|| self.crossing(along, N::ONE))
+    }
+}
+
+impl<N: Floating, R: Root<N> + Copy> Corner<N> for Tracked<'_, N, R> {
+    #[inline(always)]
+    fn height(&self) -> N {
+        self.vertex.height
+    }
+
+    #[inline(always)]
+    fn farness(&self) -> N {
+        self.vertex.norm
+    }
+
+    #[inline(always)]
+    fn toward(&self, other: &Self, t: N) -> Self {
+        let (_, wide) = self.cross(other);
+        if wide && let Some(crossing) = self.wide_crossing(other) {
+            return crossing;
+        }
+        let (a, b) = (self.vertex.position, other.vertex.position);
+        let inside = self.vertex.height >= N::ZERO;
+        self.crossing(a + (b - a) * t, if inside { t } else { N::ONE - t })
+    }
+}
+
+/// How a loop is summed.
+struct Snell<const DEGREE: usize>;
+
+/// The angle between two vectors over its sine times their lengths; past 90°,
+/// that of the supplement. `r` = |a||b|, `d` = |a·b|.
+#[inline(always)]
+fn per_sine<const DEGREE: usize, N: Number>(r: N, d: N) -> N {
+    let inverse = N::ONE / (r + N::of(0.5) * d);
+    angle_over_sine::<DEGREE, N>((r - d) * inverse) * inverse
+}
+
+/// γ of two vertices, from |a×b|.
+#[inline]
+fn angle<const DEGREE: usize, N: Floating, R>(a: &Vertex<N, R>, b: &Vertex<N, R>, sine: N) -> N {
+    let (d, r) = (a.position.dot(b.position), a.norm * b.norm);
+    if r <= N::ZERO {
+        return N::ZERO; // the receiver is one of them
+    }
+    let acute = per_sine::<DEGREE, N>(r, d.abs()) * sine;
+    if d < N::ZERO { N::PI - acute } else { acute }
+}
+
+/// γ n·c/|c| of an edge above the horizon, or `None` where it is seen under
+/// nearly 180°.
+#[inline(always)]
+fn plain_term<const DEGREE: usize, N: Floating, R: Root<N>>(
+    normal: Vector<N>,
+    a: &Vertex<N, R>,
+    b: &Vertex<N, R>,
+) -> Option<N> {
+    let c = a.position.cross(b.position);
+    let d = a.position.dot(b.position);
+    let r = a.norm * b.norm;
+    let along = normal.dot(c);
+    if d >= N::ZERO {
+        return Some(per_sine::<DEGREE, N>(r, d) * along);
+    }
+    let squared = c.norm_squared();
+    if squared < N::of(WIDE) * (r * r) {
+        return None;
+    }
+    Some((N::PI / R::sqrt(squared) - per_sine::<DEGREE, N>(r, -d)) * along)
+}
+
+/// γ n·c/|c| of the part from a to b of an edge, c being the whole edge's cross
+/// product and `part` c that of the part.
+#[inline]
+fn term<const DEGREE: usize, N: Floating, R: Root<N>>(
+    [a, b]: [&Tracked<'_, N, R>; 2],
+    c: Vector<N>,
+    part: N,
+) -> N {
+    let normal = a.view.receiver.normal();
+    let (a, b) = (&a.vertex, &b.vertex);
+    let (d, r) = (a.position.dot(b.position), a.norm * b.norm);
+    if r <= N::ZERO {
+        return N::ZERO; // the receiver is one of them
+    }
+    let acute = per_sine::<DEGREE, N>(r, d.abs()) * part;
+    let along = normal.dot(c);
+    if d >= N::ZERO {
+        acute * along
+    } else {
+        (N::PI / R::sqrt(c.norm_squared()) - acute) * along
+    }
+}
+
+/// γ n·c/|c| of an edge that is seen under nearly 180°, or of the part of it
+/// from a to b.
+#[cold]
+#[inline(never)]
+fn wide_term<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
+    [a, b]: [&Tracked<'_, N, R>; 2],
+    [from, to]: [&Tracked<'_, N, R>; 2],
+) -> N {
+    let c = from.accurate_cross(to);
+    let sine = R::sqrt(c.norm_squared());
+    if sine <= N::ZERO {
+        return N::ZERO; // the receiver is on the edge
+    }
+    let along = a.view.receiver.normal().dot(c) / sine;
+    let (a, b) = (&a.vertex, &b.vertex);
+    // With its sign: a crossing may be rounded to the other side of its end.
+    let of_part = a.position.cross(b.position).dot(c) / sine;
+    angle::<DEGREE, N, R>(a, b, of_part) * along
+}
+
+impl<'a, const DEGREE: usize, N: Floating, R: Root<N> + Copy> Edges<N, Tracked<'a, N, R>>
+    for Snell<DEGREE>
+{
+    type Sum = N;
+
+    #[inline(always)]
+    fn whole(&self, sum: N, from: Tracked<'a, N, R>, to: Tracked<'a, N, R>) -> N {
+        let normal = from.view.receiver.normal();
+        sum + match plain_term::<DEGREE, N, R>(normal, &from.vertex, &to.vertex) {
+            Some(term) => term,
+            None => wide_term::<DEGREE, N, R>([&from, &to], [&from, &to]),
+        }
+    }
+
+    /// γ n·c/|c| with γ of the part and c of the whole edge: close to an edge,
+    /// rounding a crossing would turn the plane it spans with the receiver.
+    #[inline(always)]
+    fn cut(&self, sum: N, [a, b]: [Tracked<'a, N, R>; 2], [from, to]: [Tracked<'a, N, R>; 2]) -> N {
+        let (c, wide) = from.cross(&to);
+        sum + if wide {
+            wide_term::<DEGREE, N, R>([&a, &b], [&from, &to])
+        } else {
+            // At most one of them is a crossing.
+            term::<DEGREE, N, R>([&a, &b], c, a.part * b.part)
+        }
+    }
+
+    /// ±γ.
+    #[inline(never)]
+    fn cap(&self, sum: N, from: Tracked<'a, N, R>, to: Tracked<'a, N, R>) -> N {
+        let View { receiver, facing } = *from.view;
+        let (normal, a, b) = (receiver.normal(), &from.vertex, &to.vertex);
+        let mut sign = normal.dot(a.position.cross(b.position));
+        let sine = sign.abs();
+        let angle = angle::<DEGREE, N, R>(a, b, sine);
+        let obtuse = a.position.dot(b.position) < N::ZERO;
+        if obtuse && sine < N::of(1.0 / 256.0) * (a.norm * b.norm) {
+            sign = facing.cross(normal).dot(b.position - a.position);
+        }
+        if sign < N::ZERO {
+            sum - angle
+        } else {
+            sum + angle
+        }
+    }
+}
+
+/// The sum over a loop. As long as it is above the horizon and has no edge
+/// towards 180°, nothing is called and nothing spills; from the first vertex or
+/// edge that is otherwise, the rest is summed with care.
+#[inline(always)]
+fn sum<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
+    receiver: &Receiver<N>,
+    facing: Vector<N>,
+    vertices: &[[N; 3]],
+) -> N {
+    let Some((first, others)) = vertices.split_first() else {
+        return N::ZERO;
+    };
+    let normal = receiver.normal();
+    let first = Vertex::<N, R>::new(first, receiver);
+    let (mut sum, mut from, mut ahead) = (N::ZERO, first, others.iter());
+    let mut left = others.len();
+    if first.height >= N::ZERO {
+        left = loop {
+            let Some(next) = ahead.next() else {
+                match plain_term::<DEGREE, N, R>(normal, &from, &first) {
+                    Some(term) => return sum + term,
+                    None => break 0,
+                }
+            };
+            let to = Vertex::new(next, receiver);
+            let term = if to.height >= N::ZERO {
+                plain_term::<DEGREE, N, R>(normal, &from, &to)
+            } else {
+                None
+            };
+            let Some(term) = term else {
+                break ahead.len().wrapping_add(1);
+            };
+            (sum, from) = (sum + term, to);
+        };
+    }
+    let view = View { receiver, facing };
+    rest::<DEGREE, N, R>(&view, vertices, left, sum)
+}
+
+/// The sum of a loop from the vertex on behind which `left` others are to come.
+#[cold]
+#[inline(never)]
+fn rest<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
+    view: &View<'_, N>,
+    vertices: &[[N; 3]],
+    left: usize,
+    sum: N,
+) -> N {
+    let (done, ahead) = vertices
+        .split_at_checked(vertices.len().wrapping_sub(left))
+        .unwrap_or_default();
+    let (Some(first), Some(from)) = (done.first(), done.last()) else {
+        return sum;
+    };
+    let tracked = |vertex| Tracked::<N, R>::new(vertex, view);
+    let (first, from) = (tracked(first), tracked(from));
+    clip::walk_on(
+        first,
+        from,
+        ahead.iter().map(tracked),
+        &Snell::<DEGREE>,
+        sum,
+    )
+}
+
+/// Σ γ_i n·unit(v_i × v_{i+1}) over the part of the loop above the horizon.
+#[inline]
+pub(super) fn contour<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
+    receiver: &Receiver<N>,
+    facing: Vector<N>,
+    outline: &Outline<'_, N>,
+) -> N {
+    sum::<DEGREE, N, R>(receiver, facing, outline.vertices())
+}
+
+/// The same over a loop that has been clipped already: its vertices relative
+/// to the receiver; the edge from vertex number `cap` runs along the horizon.
+#[inline]
+pub(super) fn closed<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
+    normal: Vector<N>,
+    facing: Vector<N>,
+    places: impl Iterator<Item = Vector<N>>,
+    cap: Option<usize>,
+) -> N {
+    let receiver = Receiver::of_unit(Vector::ZERO, normal);
+    let receiver = &receiver;
+    let view = View { receiver, facing };
+    // Rounding took nothing from places that are relative already.
+    let source = [N::ZERO; 3];
+    let mut vertices = places.map(|place| Tracked::<N, R> {
+        vertex: Vertex::at(place, N::ZERO),
+        part: N::ONE,
+        source: &source,
+        view: &view,
+    });
+    let Some(first) = vertices.next() else {
+        return N::ZERO;
+    };
+    let snell = Snell::<DEGREE>;
+    let add = |sum, index, from, to| {
+        if cap == Some(index) {
+            snell.cap(sum, from, to)
+        } else {
+            snell.whole(sum, from, to)
+        }
+    };
+    let (mut sum, mut from, mut index) = (N::ZERO, first, 0_usize);
+    for to in vertices {
+        sum = add(sum, index, from, to);
+        from = to;
+        index = index.wrapping_add(1);
+    }
+    add(sum, index, from, first)
+}
