@@ -2,6 +2,7 @@
 //! with linear radiosity.
 
 #[path = "reference/fixtures.rs"]
+#[allow(dead_code, reason = "the reference's tests use the rest")]
 mod fixtures;
 
 #[path = "rooms/patches.rs"]

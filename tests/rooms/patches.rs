@@ -87,7 +87,9 @@ fn patches_tile_what_is_exposed() {
     }
 }
 
-/// Every patch gets a linear field exactly, from either kind of samples.
+/// Every patch gets a linear field from either kind of samples: exactly where it
+/// is a rectangle; in a sliver, whose few places may lie on a line and tell no
+/// gradient across it, to what the field changes by over its width.
 #[test]
 fn weights_reproduce_linear_fields() {
     let plan = planned(&block());
@@ -104,9 +106,16 @@ fn weights_reproduce_linear_fields() {
                         *sum += weight * value;
                     }
                 }
-                let exact = [field(patch.center), 0.7 * patch.scale, -0.4 * patch.scale];
-                for (fit, exact) in fit.into_iter().zip(exact) {
-                    assert!((fit - exact).abs() < 1e-9, "{tag:?}: {fit} for {exact}");
+                let whole = matches!(&patch.pieces[..], [piece] if piece.len() == 4);
+                let allowed = if whole { 1e-9 } else { 0.2 * patch.scale };
+                for corner in patch.pieces.iter().flatten() {
+                    let own = (DVec2::from(*corner) - DVec2::from(patch.center)) / patch.scale;
+                    let [mean, along_a, along_b] = fit;
+                    let off = mean + along_a * own.x + along_b * own.y - field(*corner);
+                    assert!(
+                        off.abs() <= allowed,
+                        "{tag:?}: {off:e} of {allowed:e} in {patch:?}"
+                    );
                 }
             }
         }

@@ -87,10 +87,13 @@ impl Exposed {
             return None;
         }
         let is_whole = (area - whole).abs() <= 1e-7 * whole;
-        if is_whole {
+        let area = if is_whole {
             // The rectangle itself, without the overlay's rounding.
             pieces = vec![rectangle];
-        }
+            whole
+        } else {
+            area
+        };
         let moment: DVec2 = pieces.iter().map(|piece| first_moment(piece)).sum();
         let center = moment / area;
         let scale = pieces

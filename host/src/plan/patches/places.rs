@@ -115,9 +115,12 @@ fn weights(cell: &Cell, places: &[DVec2]) -> Vec<[f64; 3]> {
                 own.y - mean.y
             };
             let gradient = if largest > THIN { off / largest } else { 0.0 };
+            // The mean is at the centroid, which the places' own may miss.
+            let middle = if along_a { mean.x } else { mean.y };
+            let at_center = 1.0 / count - middle * gradient;
             match along_a {
-                true => [1.0 / count, gradient, 0.0],
-                false => [1.0 / count, 0.0, gradient],
+                true => [at_center, gradient, 0.0],
+                false => [at_center, 0.0, gradient],
             }
         })
         .collect()
