@@ -138,53 +138,69 @@ where
     /// # Errors
     /// As [`new`](Self::new).
     pub fn with_sight(scene: Scene<'t>, sight: V) -> Result<Self, Error> {
-        let full = |what, needed: usize, have: usize| Error::Capacity {
-            what,
-            needed: needed as u32,
-            have: have as u32,
-        };
+        let mut light = Self::empty(sight);
+        light.enter(scene)?;
+        Ok(light)
+    }
+
+    /// The state of no scene at all, to be made in a `static`, so that however
+    /// large it is it passes no stack; [`enter`](Self::enter) gives it a scene.
+    pub const fn empty(sight: V) -> Self {
+        Self {
+            scene: Scene::EMPTY,
+            irradiance: Vec::new(),
+            emitters: Vec::new(),
+            form_factors: 0,
+            sight,
+            rung: PhantomData,
+        }
+    }
+
+    /// Takes a scene in place of the one before: dark, ready to be lit.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); it then has no scene.
+    pub fn enter(&mut self, scene: Scene<'t>) -> Result<(), Error> {
+        self.scene = Scene::EMPTY;
+        self.irradiance.clear();
+        self.emitters.clear();
+        self.form_factors = 0;
         let counts = scene.counts();
-        let channels = counts.channels as usize;
-        if channels != L::Colour::CHANNELS {
-            return Err(full(What::Channels, channels, L::Colour::CHANNELS));
-        }
-        let coefficients = counts.coefficients as usize;
-        if coefficients != L::COEFFICIENTS {
-            return Err(full(What::Coefficients, coefficients, L::COEFFICIENTS));
-        }
-        let occluders = counts.occluders as usize;
-        if occluders > 0 && !V::CAPACITIES.occluders {
-            return Err(full(What::Occluders, occluders, 0));
-        }
         let (needed, have) = (scene.sight(), V::CAPACITIES);
+        let any = if have.occluders { u32::MAX } else { 0 };
         for (what, needed, have) in [
+            (What::Samples, counts.samples, SAMPLES as u32),
+            (What::Emitters, counts.emitters, EMITTERS as u32),
+            (What::Occluders, counts.occluders, any),
             (What::Corners, needed.vertices, have.vertices),
             (What::Pieces, needed.pieces, have.pieces),
             (What::Lines, needed.lines, have.lines),
             (What::Blockers, needed.blockers, have.blockers),
         ] {
             if needed > have {
-                return Err(full(what, needed as usize, have as usize));
+                return Err(Error::Capacity { what, needed, have });
             }
         }
-        let mut light = Self {
-            scene,
-            irradiance: Vec::new(),
-            emitters: Vec::new(),
-            form_factors: 0,
-            sight,
-            rung: PhantomData,
-        };
-        let (samples, emitters) = (scene.samples().len(), scene.emitters().len());
-        light
+        let (channels, coefficients) = (L::Colour::CHANNELS as u32, L::COEFFICIENTS as u32);
+        for (what, needed, have) in [
+            (What::Channels, counts.channels, channels),
+            (What::Coefficients, counts.coefficients, coefficients),
+        ] {
+            if needed != have {
+                return Err(Error::Capacity { what, needed, have });
+            }
+        }
+        // Both fit: that has just been asked.
+        let samples = self
             .irradiance
-            .resize(samples, L::Colour::DARK)
-            .map_err(|_| full(What::Samples, samples, SAMPLES))?;
-        light
+            .resize(counts.samples as usize, L::Colour::DARK);
+        let emitters = self
             .emitters
-            .resize(emitters, Shot::NOTHING)
-            .map_err(|_| full(What::Emitters, emitters, EMITTERS))?;
-        Ok(light)
+            .resize(counts.emitters as usize, Shot::NOTHING);
+        if samples.is_ok() && emitters.is_ok() {
+            self.scene = scene;
+        }
+        Ok(())
     }
 
     /// The workspace it looks with.

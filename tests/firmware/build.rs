@@ -130,8 +130,8 @@ fn luminance(counts: &Counts) -> String {
     format!("isolux::luminance::{form}<{colour}>")
 }
 
-/// The kernel's type of visibility for these tables.
-fn visibility(counts: &Counts, sight: &Sight) -> Result<String, String> {
+/// The kernel's type of visibility for these tables, and an empty workspace.
+fn visibility(counts: &Counts, sight: &Sight) -> Result<[String; 2], String> {
     let rung = variable("ISOLUX_VISIBILITY").unwrap_or_else(|| "exact".to_owned());
     let Sight {
         vertices,
@@ -140,9 +140,12 @@ fn visibility(counts: &Counts, sight: &Sight) -> Result<String, String> {
         blockers,
     } = sight;
     match rung.as_str() {
-        _ if counts.occluders == 0 => Ok("Unoccluded".to_owned()),
-        "exact" => Ok(format!("Exact<{vertices}, {pieces}, {lines}, {blockers}>")),
-        "vertex-rays" => Ok("VertexRays".to_owned()),
+        _ if counts.occluders == 0 => Ok(["Unoccluded"; 2].map(str::to_owned)),
+        "exact" => Ok([
+            format!("Exact<{vertices}, {pieces}, {lines}, {blockers}>"),
+            "Exact::new()".to_owned(),
+        ]),
+        "vertex-rays" => Ok(["VertexRays"; 2].map(str::to_owned)),
         _ => Err(format!(
             "ISOLUX_VISIBILITY is \"{rung}\"; the firmware knows exact, vertex-rays"
         )),
@@ -182,6 +185,7 @@ fn job() -> Result<String, String> {
             (format!("include_bytes!({path:?})"), contents(&path)?)
         }
     };
+    let [visibility, looking] = visibility(&counts, &sight)?;
     let mut source = String::new();
     let lines = [
         "/// Rows and columns of each resampled grid.".to_owned(),
@@ -195,10 +199,9 @@ fn job() -> Result<String, String> {
         "pub(crate) const SIGHT: isolux::scene::records::Sight =".to_owned(),
         format!("    isolux::scene::records::{sight:?};"),
         "/// The rung of visibility.".to_owned(),
-        format!(
-            "pub(crate) type Visibility = isolux::visibility::{};",
-            visibility(&counts, &sight)?
-        ),
+        format!("pub(crate) type Visibility = isolux::visibility::{visibility};"),
+        "/// Its workspace, empty.".to_owned(),
+        format!("pub(crate) const LOOKING: Visibility = isolux::visibility::{looking};"),
         "/// The rung of form-factor arithmetic.".to_owned(),
         format!("pub(crate) type Arithmetic = {arithmetic};"),
         "/// When to stop shooting.".to_owned(),

@@ -100,6 +100,30 @@ fn section<T: FromBytes + zerocopy::KnownLayout + zerocopy::Immutable>(
 }
 
 impl<'t> Scene<'t> {
+    /// A scene with nothing in it.
+    pub const EMPTY: Self = Self {
+        header: &Header::EMPTY,
+        surfaces: &[],
+        reflectances: &[],
+        emitters: &[],
+        exitances: &[],
+        shapes: &[],
+        loops: &[],
+        vertices: &[],
+        corners: &[],
+        occluders: Occluders {
+            occluders: &[],
+            faces: &[],
+            edges: &[],
+            vertices: &[],
+            flat: 0.0,
+        },
+        blockers: &[],
+        samples: &[],
+        weights: &[],
+        members: &[],
+    };
+
     /// Reads and checks baked tables in place; nothing is copied.
     ///
     /// Time: about 12 instructions a byte for the checksum, 20 a record.

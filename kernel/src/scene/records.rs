@@ -41,6 +41,42 @@ pub struct Sight {
     pub blockers: u32,
 }
 
+impl Header {
+    /// That of a scene with nothing in it.
+    pub(super) const EMPTY: Self = Self {
+        magic: super::MAGIC,
+        version: super::VERSION,
+        bytes: 0,
+        checksum: 0,
+        counts: Counts {
+            channels: 0,
+            coefficients: 0,
+            surfaces: 0,
+            luminaires: 0,
+            emitters: 0,
+            shapes: 0,
+            loops: 0,
+            vertices: 0,
+            corners: 0,
+            occluders: 0,
+            faces: 0,
+            edges: 0,
+            places: 0,
+            blockers: 0,
+            samples: 0,
+            members: 0,
+            weights: 0,
+        },
+        sight: Sight {
+            vertices: 0,
+            pieces: 0,
+            lines: 0,
+            blockers: 0,
+        },
+        tolerance: 0.0,
+    };
+}
+
 /// How many records each section has, in the order of the sections.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes, IntoBytes, Immutable, KnownLayout,

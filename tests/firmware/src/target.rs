@@ -1,6 +1,6 @@
 //! The run itself: load, light, resample, log.
 
-use core::mem::{MaybeUninit, size_of};
+use core::mem::size_of;
 
 use cortex_m::singleton;
 use isolux::Error;
@@ -54,9 +54,8 @@ const FPSCR_MODES: u32 = 0x03c0_0000;
 /// Loads the tables in place and makes the dark state.
 #[inline(never)]
 #[unsafe(no_mangle)]
-fn isolux_step_load(state: &'static mut MaybeUninit<Light>) -> Result<&'static mut Light, Error> {
-    let scene = Scene::load(&ISOLUX_TABLES.0)?;
-    Ok(state.write(Light::new(scene)?))
+fn isolux_step_load(light: &mut Light) -> Result<(), Error> {
+    light.enter(Scene::load(&ISOLUX_TABLES.0)?)
 }
 
 /// Direct light alone.
@@ -126,7 +125,7 @@ fn run() -> Result<(), Failure> {
     let Some(peripherals) = cortex_m::Peripherals::take() else {
         return Err(twice);
     };
-    let Some(state) = singleton!(: MaybeUninit<Light> = MaybeUninit::uninit()) else {
+    let Some(light) = singleton!(: Light = Light::empty(job::LOOKING)) else {
         return Err(twice);
     };
     let Some(row) = singleton!(: [Colour; RESOLUTION] = [Colour::DARK; RESOLUTION]) else {
@@ -137,8 +136,8 @@ fn run() -> Result<(), Failure> {
     defmt::info!("cross-check timer {=u64} systick {=u64}", timer, systick);
     let meter = Meter::new(clock);
 
-    let (light, cost) = meter.measure(|| isolux_step_load(state));
-    let light = light?;
+    let (loaded, cost) = meter.measure(|| isolux_step_load(light));
+    loaded?;
     log("load", cost);
     let ((), cost) = meter.measure(|| isolux_step_direct(light));
     log("direct", cost);

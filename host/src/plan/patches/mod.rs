@@ -35,8 +35,10 @@ pub struct Patch {
     pub members: Vec<(usize, [f64; 3])>,
 }
 
-/// Patches in all where the scene sets no budget.
+/// Patches where the scene sets no budget: at most so many in all, and on the
+/// average of the surfaces.
 const DEFAULT_PATCHES: usize = 300;
+const PATCHES_A_SURFACE: usize = 48;
 
 /// The part of the patches that is there from the start is one in so many; the
 /// others come from halving those that fit worst.
@@ -101,7 +103,8 @@ pub fn linear(scene: &Scene, budget: &Budget, direct: &Field<'_>) -> Result<Plan
 fn division(reflecting: usize, budget: &Budget) -> Result<(usize, [usize; 2]), Unplannable> {
     let each = |[direct, reflected]: [usize; 2]| direct * direct + reflected * reflected;
     let Some(allowed) = budget.samples else {
-        return Ok((DEFAULT_PATCHES.max(reflecting), PLACES[0]));
+        let patches = (PATCHES_A_SURFACE * reflecting).min(DEFAULT_PATCHES);
+        return Ok((patches.max(reflecting), PLACES[0]));
     };
     if allowed > super::MOST_SAMPLES {
         return Err(Unplannable::TooMany {
