@@ -17,6 +17,7 @@ pub(super) struct Exposed {
 }
 
 /// What one cell has of the exposed part.
+#[derive(Clone)]
 pub(super) struct Cell {
     /// Convex pieces, counter-clockwise.
     pub(super) pieces: Vec<Ring>,

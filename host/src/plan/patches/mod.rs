@@ -2,8 +2,8 @@
 //!
 //! A surface is cut into cells of its bounding rectangle; what a cell has of
 //! the surface's exposed part is a patch. Its radiosity is linear in place,
-//! fitted to irradiance at places of its own: direct light at one set of them,
-//! reflected light at another, smaller one, because shadows have edges and
+//! fitted to irradiance at places: direct light at its own, reflected light at
+//! those of a larger cell that it is a part of, because shadows have edges and
 //! reflected light has hardly any. Cells are halved where direct light is
 //! farthest from linear, so that patches gather at the edges of shadows.
 
@@ -16,7 +16,7 @@ use super::{Field, Plan, Sample, SurfacePlan, Tag, Unplannable, spacing};
 use crate::scene::frame::Frame;
 use crate::scene::{Budget, Scene};
 use exposed::{Cell, Exposed};
-use refine::Refinement;
+use refine::{Refined, Refinement};
 
 /// A part of a surface whose radiosity is linear.
 #[derive(Clone, Debug)]
@@ -42,11 +42,23 @@ const PATCHES_A_SURFACE: usize = 48;
 
 /// The part of the patches that is there from the start is one in so many; the
 /// others come from halving those that fit worst.
-const COARSE: usize = 3;
+const START: usize = 3;
 
-/// Places along each side of a cell, for direct and for reflected light, best
-/// first; the budget decides.
-const PLACES: [[usize; 2]; 3] = [[4, 2], [3, 2], [2, 2]];
+/// Cells that reflected light is looked at in, as a part of the patches.
+const COARSE: f64 = 0.5;
+fn knob(n: &str, d: f64) -> f64 {
+    std::env::var(n)
+        .ok()
+        .and_then(|v| v.parse().ok())
+        .unwrap_or(d)
+}
+
+/// Places along each side of a patch for direct light, best first; the budget
+/// decides.
+const DIRECT: [usize; 3] = [4, 3, 2];
+
+/// Places along each side of a coarse cell for reflected light.
+const REFLECTED: usize = 2;
 
 /// A room with fewer patches than this is better off with more of them than
 /// with more places on each.
@@ -69,21 +81,24 @@ pub fn linear(scene: &Scene, budget: &Budget, direct: &Field<'_>) -> Result<Plan
         })
         .collect();
     let reflecting = exposed.iter().flatten().count();
-    let (patches, places) = division(reflecting, budget)?;
-    let density = density(&exposed, patches / COARSE);
+    let division = Division::new(reflecting, budget)?;
+    let density = density(&exposed, division.patches / START);
     let cut = |(index, exposed): (usize, &Option<Exposed>)| {
         let cells = exposed.as_ref().map(|e| e.cut(e.cells(density)));
         cells.into_iter().flatten().map(move |cell| (index, cell))
     };
-    let coarse: Vec<(usize, Cell)> = exposed.iter().enumerate().flat_map(cut).collect();
-    let mut cells: Vec<Vec<Cell>> = exposed.iter().map(|_| Vec::new()).collect();
-    for (index, cell) in Refinement::new(scene, &exposed, direct).refine(coarse, patches) {
-        cells[index].push(cell);
+    let start: Vec<(usize, Cell)> = exposed.iter().enumerate().flat_map(cut).collect();
+    let refinement = Refinement::new(scene, &exposed, direct);
+    let coarse = refinement.refine(&start, division.coarse).into_iter();
+    let coarse: Vec<(usize, Cell)> = coarse.map(|r| (r.surface, r.cell)).collect();
+    let mut fine: Vec<Vec<Refined>> = exposed.iter().map(|_| Vec::new()).collect();
+    for refined in refinement.refine(&coarse, division.patches) {
+        fine[refined.surface].push(refined);
     }
     let surfaces = (scene.surfaces.iter().zip(&exposed))
-        .zip(cells)
-        .map(|((surface, exposed), cells)| match exposed {
-            Some(exposed) => of_surface(exposed, cells, places),
+        .zip(fine)
+        .map(|((surface, exposed), fine)| match exposed {
+            Some(exposed) => of_surface(exposed, &coarse, fine, &division),
             None => SurfacePlan::without_samples(Frame::new(surface)),
         })
         .collect();
@@ -99,25 +114,46 @@ pub fn linear(scene: &Scene, budget: &Budget, direct: &Field<'_>) -> Result<Plan
     }
 }
 
-/// How many patches, and how many places along each side of one.
-fn division(reflecting: usize, budget: &Budget) -> Result<(usize, [usize; 2]), Unplannable> {
-    let each = |[direct, reflected]: [usize; 2]| direct * direct + reflected * reflected;
-    let Some(allowed) = budget.samples else {
-        let patches = (PATCHES_A_SURFACE * reflecting).min(DEFAULT_PATCHES);
-        return Ok((patches.max(reflecting), PLACES[0]));
-    };
-    if allowed > super::MOST_SAMPLES {
-        return Err(Unplannable::TooMany {
-            asked: allowed,
-            most: super::MOST_SAMPLES,
-        });
+/// How a budget is divided.
+struct Division {
+    /// Cells that reflected light is looked at in.
+    coarse: usize,
+    /// Patches: cells and their halves.
+    patches: usize,
+    /// Places along each side of a patch for direct light.
+    direct: usize,
+}
+
+impl Division {
+    fn new(reflecting: usize, budget: &Budget) -> Result<Self, Unplannable> {
+        let of = |patches: usize, part: f64, direct| Self {
+            coarse: ((patches as f64 * part) as usize).max(reflecting),
+            patches: patches.max(reflecting),
+            direct,
+        };
+        let Some(allowed) = budget.samples else {
+            let patches = (PATCHES_A_SURFACE * reflecting).min(DEFAULT_PATCHES);
+            return Ok(of(patches, COARSE_AT_WILL, DIRECT[0]));
+        };
+        if allowed > super::MOST_SAMPLES {
+            return Err(Unplannable::TooMany {
+                asked: allowed,
+                most: super::MOST_SAMPLES,
+            });
+        }
+        let allowed = allowed as usize;
+        let patches = |direct: usize| {
+            let of_direct = (direct * direct) as f64;
+            let each = of_direct + COARSE * (REFLECTED * REFLECTED) as f64;
+            let least = allowed.saturating_sub(REFLECTED * REFLECTED * reflecting);
+            (allowed as f64 / each).min(least as f64 / of_direct) as usize
+        };
+        let direct = DIRECT
+            .into_iter()
+            .find(|&direct| patches(direct) >= ENOUGH.max(reflecting))
+            .unwrap_or(DIRECT[DIRECT.len() - 1]);
+        Ok(of(patches(direct), COARSE, direct))
     }
-    let enough = ENOUGH.max(reflecting);
-    let places = PLACES
-        .into_iter()
-        .find(|&places| allowed as usize / each(places) >= enough)
-        .unwrap_or(PLACES[PLACES.len() - 1]);
-    Ok((allowed as usize / each(places), places))
 }
 
 /// The density of cells at which there are as many as asked for, or hardly
@@ -145,47 +181,69 @@ fn density(exposed: &[Option<Exposed>], patches: usize) -> f64 {
     low
 }
 
-fn of_surface(exposed: &Exposed, cells: Vec<Cell>, [direct, reflected]: [usize; 2]) -> SurfacePlan {
-    let mut patches = Vec::new();
-    let mut samples: [Vec<Sample>; 2] = [Vec::new(), Vec::new()];
-    let mut members = Vec::new();
-    for cell in cells {
-        let mut own = [Vec::new(), Vec::new()];
-        for (kind, (side, tag)) in [(direct, Tag::Direct), (reflected, Tag::Reflected)]
-            .into_iter()
-            .enumerate()
-        {
-            for (place, weights) in places::of_cell(&cell, side, tag) {
-                own[kind].push((samples[kind].len(), weights));
-                samples[kind].push(Sample {
-                    place,
-                    vertex: place,
-                    tag,
-                });
-            }
+/// The patches of one surface with their samples: direct light is looked at in
+/// every one, reflected light, which is smooth, in the coarse cells they are
+/// parts of.
+fn of_surface(
+    exposed: &Exposed,
+    coarse: &[(usize, Cell)],
+    fine: Vec<Refined>,
+    division: &Division,
+) -> SurfacePlan {
+    let sample = |tag| {
+        move |place| Sample {
+            place,
+            vertex: place,
+            tag,
         }
-        members.push(own);
+    };
+    let mut samples = Vec::new();
+    let mut patches = Vec::new();
+    for refined in &fine {
+        let found = places::of_cell(&refined.cell, division.direct, Tag::Direct);
+        let first = samples.len();
+        let members = (first..).zip(found.iter().map(|(_, weights)| *weights));
         patches.push(Patch {
-            pieces: cell.pieces,
-            center: cell.center,
-            scale: cell.scale,
-            area: cell.area,
-            members: Vec::new(),
+            pieces: refined.cell.pieces.clone(),
+            center: refined.cell.center,
+            scale: refined.cell.scale,
+            area: refined.cell.area,
+            members: members.collect(),
         });
+        let places = found.into_iter().map(|(place, _)| place);
+        samples.extend(places.map(sample(Tag::Direct)));
     }
-    // Those for direct light come first.
-    let [of_direct, of_reflected] = samples;
-    for (patch, [own_direct, own_reflected]) in patches.iter_mut().zip(members) {
-        let shifted = own_reflected
-            .into_iter()
-            .map(|(index, weights)| (of_direct.len() + index, weights));
-        patch.members = own_direct.into_iter().chain(shifted).collect();
+    let of_direct = samples.len();
+    let mut begun: Option<(usize, usize, Vec<[f64; 3]>)> = None;
+    let mut order: Vec<usize> = (0..fine.len()).collect();
+    order.sort_by_key(|&k| fine[k].coarse);
+    for k in order {
+        let whole = fine[k].coarse;
+        if begun.as_ref().is_none_or(|(index, ..)| *index != whole) {
+            let found = places::of_cell(&coarse[whole].1, REFLECTED, Tag::Reflected);
+            let (places, weights): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+            begun = Some((whole, samples.len(), weights));
+            samples.extend(places.into_iter().map(sample(Tag::Reflected)));
+        }
+        let Some((_, first, weights)) = &begun else {
+            continue;
+        };
+        let part = |weights: &[f64; 3]| of_part(*weights, &coarse[whole].1, &fine[k].cell);
+        let members = (*first..).zip(weights.iter().map(part));
+        patches[k].members.extend(members);
     }
     let area: f64 = patches.iter().map(|patch| patch.area).sum();
     SurfacePlan {
-        filter_radius: spacing::filter_radius(area, of_reflected.len()),
-        samples: of_direct.into_iter().chain(of_reflected).collect(),
+        filter_radius: spacing::filter_radius(area, samples.len() - of_direct),
+        samples,
         patches,
         ..SurfacePlan::without_samples(exposed.frame.clone())
     }
+}
+
+/// The weights of a cell's linear function, as that of a part of it.
+fn of_part([mean, a, b]: [f64; 3], whole: &Cell, part: &Cell) -> [f64; 3] {
+    let off = [0, 1].map(|axis| (part.center[axis] - whole.center[axis]) / whole.scale);
+    let scale = part.scale / whole.scale;
+    [mean + off[0] * a + off[1] * b, scale * a, scale * b]
 }

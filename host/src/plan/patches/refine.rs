@@ -28,11 +28,18 @@ pub(super) struct Refinement<'a> {
     length: f64,
 }
 
+/// A cell, and what it is a part of.
+pub(super) struct Refined {
+    pub(super) surface: usize,
+    /// Index of the coarse cell.
+    pub(super) coarse: usize,
+    pub(super) cell: Cell,
+}
+
 /// A cell that waits, with what it misses.
 struct Waiting {
     misfit: f64,
-    surface: usize,
-    cell: Cell,
+    refined: Refined,
 }
 
 impl PartialEq for Waiting {
@@ -51,7 +58,7 @@ impl PartialOrd for Waiting {
 
 impl Ord for Waiting {
     fn cmp(&self, other: &Self) -> Ordering {
-        let place = |waiting: &Self| (waiting.surface, waiting.cell.bounds);
+        let place = |waiting: &Self| (waiting.refined.coarse, waiting.refined.cell.bounds);
         self.misfit.total_cmp(&other.misfit).then_with(|| {
             let ((s, a), (t, b)) = (place(self), place(other));
             t.cmp(&s).then_with(|| {
@@ -79,17 +86,25 @@ impl<'a> Refinement<'a> {
     }
 
     /// Halves the worst cell until there are `patches`.
-    pub(super) fn refine(&self, coarse: Vec<(usize, Cell)>, patches: usize) -> Vec<(usize, Cell)> {
+    pub(super) fn refine(&self, coarse: &[(usize, Cell)], patches: usize) -> Vec<Refined> {
         let looks: Vec<Vec<f64>> = coarse
             .iter()
             .map(|(s, cell)| self.looks(*s, cell))
             .collect();
-        let mean = mean_light(&coarse, &looks);
+        let mean = mean_light(coarse, &looks);
         let mut done = Vec::new();
         let mut heap: BinaryHeap<Waiting> = coarse
-            .into_iter()
+            .iter()
             .zip(looks)
-            .map(|((surface, cell), looks)| self.waiting(surface, cell, &looks, mean))
+            .enumerate()
+            .map(|(index, ((surface, cell), looks))| {
+                let refined = Refined {
+                    surface: *surface,
+                    coarse: index,
+                    cell: cell.clone(),
+                };
+                self.waiting(refined, &looks, mean)
+            })
             .collect();
         while heap.len() + done.len() < patches {
             let Some(worst) = heap.pop() else {
@@ -97,18 +112,23 @@ impl<'a> Refinement<'a> {
             };
             match self.halves(&worst, mean) {
                 Some(halves) => heap.extend(halves),
-                None => done.push((worst.surface, worst.cell)),
+                None => done.push(worst.refined),
             }
         }
         let rest = heap.into_sorted_vec().into_iter();
-        done.extend(rest.map(|waiting| (waiting.surface, waiting.cell)));
+        done.extend(rest.map(|waiting| waiting.refined));
         done
     }
 
     /// The two halves that fit best; `None` where a half would be nothing.
     fn halves(&self, whole: &Waiting, mean: f64) -> Option<[Waiting; 2]> {
-        let exposed = self.exposed[whole.surface].as_ref()?;
-        let [low, high] = whole.cell.bounds;
+        let Refined {
+            surface,
+            coarse,
+            ref cell,
+        } = whole.refined;
+        let exposed = self.exposed[surface].as_ref()?;
+        let [low, high] = cell.bounds;
         let size = [high[0] - low[0], high[1] - low[1]];
         let slender = |axis: usize| size[axis] > SLENDER * size[1 - axis];
         let axes = (0..2).filter(|&axis| !slender(1 - axis));
@@ -120,8 +140,13 @@ impl<'a> Refinement<'a> {
             let first = exposed.cell(low, low_end)?;
             let second = exposed.cell(high_start, high)?;
             Some([first, second].map(|cell| {
-                let looks = self.looks(whole.surface, &cell);
-                self.waiting(whole.surface, cell, &looks, mean)
+                let looks = self.looks(surface, &cell);
+                let refined = Refined {
+                    surface,
+                    coarse,
+                    cell,
+                };
+                self.waiting(refined, &looks, mean)
             }))
         });
         halved.min_by(|a, b| {
@@ -130,14 +155,14 @@ impl<'a> Refinement<'a> {
         })
     }
 
-    fn waiting(&self, surface: usize, cell: Cell, looks: &[f64], mean: f64) -> Waiting {
-        let reflectance = self.scene.surfaces[surface].reflectance;
+    fn waiting(&self, refined: Refined, looks: &[f64], mean: f64) -> Waiting {
+        let cell = &refined.cell;
+        let reflectance = self.scene.surfaces[refined.surface].reflectance;
         let [r, g, b] = reflectance;
         let varies = REFLECTED * mean * cell.scale / self.length;
         Waiting {
-            misfit: (r + g + b) / 3.0 * cell.area.sqrt() * (residual(&cell, looks) + varies),
-            surface,
-            cell,
+            misfit: (r + g + b) / 3.0 * cell.area.sqrt() * (residual(cell, looks) + varies),
+            refined,
         }
     }
 
