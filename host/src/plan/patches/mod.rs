@@ -44,14 +44,11 @@ const PATCHES_A_SURFACE: usize = 48;
 /// others come from halving those that fit worst.
 const START: usize = 3;
 
-/// Cells that reflected light is looked at in, as a part of the patches.
+/// Cells that reflected light is looked at in, as a part of the patches: where
+/// samples are short, and where they are not. In the Cornell box 687 samples
+/// err least with half, and 300 patches lose little with 0.7.
 const COARSE: f64 = 0.5;
-fn knob(n: &str, d: f64) -> f64 {
-    std::env::var(n)
-        .ok()
-        .and_then(|v| v.parse().ok())
-        .unwrap_or(d)
-}
+const COARSE_AT_WILL: f64 = 0.7;
 
 /// Places along each side of a patch for direct light, best first; the budget
 /// decides.
