@@ -8,10 +8,12 @@ use super::failure::Failure;
 use super::pipeline::{self, Planned};
 use super::{BouncesArgument, SceneArgument};
 use crate::baseline::{self, Baseline, Parameters};
-use crate::compare::{self, Answers, Compared, Errors, Seen, errors_by_scale};
+use crate::compare::{self, Answers, Balance, Compared, Errors, Seen, effort, errors_by_scale};
+use crate::occlusion::Solids;
 use crate::reference::Reference;
 use crate::report::Progress;
 use crate::scene::camera::View;
+use crate::scene::requires::requirements;
 use crate::solve::Solution;
 use clap::Args;
 use serde::Serialize;
@@ -27,9 +29,10 @@ pub(super) struct Arguments {
     /// The directory for the pictures; made where it does not exist.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Pixels along each side of the camera's picture.
-    #[arg(long, value_name = "PIXELS", default_value_t = PIXELS, value_parser = clap::value_parser!(u32).range(16..=4096))]
-    resolution: u32,
+    /// Pixels along each side of the camera's picture [default: 600, of rooms 300,
+    /// whose reference takes long].
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(16..=4096))]
+    resolution: Option<u32>,
     #[command(flatten)]
     bounces: BouncesArgument,
     #[command(flatten)]
@@ -38,6 +41,9 @@ pub(super) struct Arguments {
 
 /// Pixels along each side of the camera's picture.
 const PIXELS: u32 = 600;
+
+/// The same in rooms, where the reference takes about 0.1 ms a pixel and core.
+const PIXELS_OF_ROOMS: u32 = 300;
 
 /// Cells along each side of a surface's grid.
 pub(super) const GRID: usize = 200;
@@ -50,7 +56,7 @@ impl Arguments {
                 scene: "paper.toml".into(),
             },
             output: "isolux-out".into(),
-            resolution: PIXELS,
+            resolution: None,
             bounces: BouncesArgument { bounces: None },
             rungs: RungArguments::default(),
         }
@@ -65,6 +71,7 @@ struct Judged<'a> {
     baseline: Option<&'a Baseline>,
     surfaces: Vec<Compared>,
     camera: Option<(View, Seen)>,
+    balance: Balance,
 }
 
 #[derive(Serialize)]
@@ -80,7 +87,11 @@ struct Rendered<'a> {
     unshot: f32,
     surfaces: Vec<SurfaceErrors<'a>>,
     error: Errors,
+    /// The kernel's answer at each pixel, without resampling: in rooms.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    evaluated: Option<AtPixels>,
     resolution: Option<[u32; 2]>,
+    balance: Balance,
     reference: Judge,
     baseline: Option<Classical<'a>>,
     files: Vec<String>,
@@ -103,6 +114,13 @@ struct SurfaceErrors<'a> {
     emitters: usize,
     error: Errors,
     out_of_reach: u32,
+}
+
+#[derive(Serialize)]
+struct AtPixels {
+    error: Errors,
+    /// Pixels at which visibility met a bound of the workspace.
+    inexact: usize,
 }
 
 #[derive(Serialize)]
@@ -138,6 +156,11 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     let solution = planned.solve(bounces)?;
     let reference = pipeline::judge(&planned.scene, pipeline::all_light(bounces))?;
     let baseline = classical(&planned, &reference);
+    let usual = if planned.plan.is_linear() {
+        PIXELS_OF_ROOMS
+    } else {
+        PIXELS
+    };
     let answers = Answers {
         scene: &planned.scene,
         plan: &planned.plan,
@@ -145,7 +168,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         solution: &solution,
         baseline: baseline.as_ref(),
     };
-    let judged = judge(&answers, &planned, arguments.resolution)?;
+    let judged = judge(&answers, &planned, arguments.resolution.unwrap_or(usual))?;
     let files = drawing::draw(&judged, &arguments.output)?;
     let rendered = rendered(&judged, bounces, files);
     let mut out = std::io::stdout().lock();
@@ -167,9 +190,13 @@ pub(super) fn make(directory: &Path) -> Result<(), Failure> {
     })
 }
 
-/// The classical method, where every surface is a parallelogram; as many
-/// reflections as the reference followed.
+/// The classical method, where every surface is a parallelogram, nothing
+/// occludes and all is grey; as many reflections as the reference followed.
 fn classical(planned: &Planned, reference: &Reference) -> Option<Baseline> {
+    let needs = requirements(&planned.scene);
+    if needs.visibility.is_some() || needs.channels > 1 {
+        return None;
+    }
     let parameters = Parameters {
         reflections: reference.reflections(),
         ..Parameters::default()
@@ -185,22 +212,27 @@ fn judge<'a>(
 ) -> Result<Judged<'a>, Failure> {
     let surfaces = &planned.scene.surfaces;
     let reflecting: Vec<usize> = (0..surfaces.len())
-        .filter(|&k| surfaces[k].reflectance[0] > 0.0)
+        .filter(|&k| surfaces[k].reflects())
         .collect();
-    let progress = Progress::start("comparing", reflecting.len() as u64 + 1);
+    let camera = planned.scene.camera.as_ref();
+    let view = camera.map(|camera| View::new(camera, resolution, resolution));
+    let pixels = view.as_ref().map_or(0, |view| effort(answers, view));
+    let places = (reflecting.len() * GRID * GRID) as u64 + pixels;
+    let progress = Progress::start("comparing", places);
+    let mut done = |places: usize| progress.advance(places as u64);
     let unknown = |error: isolux::Error| Failure::limit(error, "");
+    let solids = Solids::of(&planned.scene);
     let mut compared = Vec::new();
     let mut full_scale = vec![0.0; surfaces.len()];
     for index in reflecting {
-        let surface = compare::surface(answers, index, GRID).map_err(unknown)?;
+        let surface =
+            compare::surface(answers, &solids, index, GRID, &mut done).map_err(unknown)?;
         full_scale[index] = surface.full_scale;
         compared.push(surface);
-        progress.advance(1);
     }
-    let camera = match &planned.scene.camera {
-        Some(camera) => {
-            let view = View::new(camera, resolution, resolution);
-            let seen = compare::camera(answers, &view, &full_scale).map_err(unknown)?;
+    let camera = match view {
+        Some(view) => {
+            let seen = compare::camera(answers, &view, &full_scale, &mut done).map_err(unknown)?;
             Some((view, seen))
         }
         None => None,
@@ -212,6 +244,7 @@ fn judge<'a>(
         baseline: answers.baseline,
         surfaces: compared,
         camera,
+        balance: compare::balance(&planned.scene, &planned.plan, answers.solution),
     })
 }
 
@@ -283,8 +316,8 @@ fn rendered<'a>(judged: &'a Judged<'a>, bounces: Option<u32>, files: Vec<String>
         bounces,
         rungs: Chosen {
             arithmetic: judged.planned.rung.name(),
-            visibility: "none",
-            emitters: "isolux",
+            visibility: judged.planned.sight.name(),
+            emitters: judged.planned.emitters.name(),
             transfer: "exact",
             placement: "isolux",
             reconstruction: "cone",
@@ -296,12 +329,20 @@ fn rendered<'a>(judged: &'a Judged<'a>, bounces: Option<u32>, files: Vec<String>
         unshot: solved.unshot,
         surfaces: surfaces.collect(),
         error: judged.overall(),
+        evaluated: judged.camera.as_ref().and_then(|(_, seen)| {
+            let evaluated = seen.evaluated.as_ref()?;
+            Some(AtPixels {
+                error: evaluated.errors,
+                inexact: evaluated.inexact,
+            })
+        }),
+        balance: judged.balance,
         resolution: judged
             .camera
             .as_ref()
             .map(|(view, _)| [view.width(), view.height()]),
         reference: Judge {
-            name: "f64, direct light analytic, reflections by adaptive quadrature",
+            name: "f64, direct light analytic, reflections by adaptive quadrature or Galerkin radiosity",
             reflections: judged.reference.reflections(),
             accuracy: judged.reference.accuracy(),
         },
