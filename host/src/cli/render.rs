@@ -29,10 +29,9 @@ pub(super) struct Arguments {
     /// The directory for the pictures; made where it does not exist.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Pixels along each side of the camera's picture [default: 600, of rooms 300,
-    /// whose reference takes long].
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(16..=4096))]
-    resolution: Option<u32>,
+    /// Pixels along each side of the camera's picture.
+    #[arg(long, value_name = "PIXELS", default_value_t = PIXELS, value_parser = clap::value_parser!(u32).range(16..=4096))]
+    resolution: u32,
     #[command(flatten)]
     bounces: BouncesArgument,
     #[command(flatten)]
@@ -41,9 +40,6 @@ pub(super) struct Arguments {
 
 /// Pixels along each side of the camera's picture.
 const PIXELS: u32 = 600;
-
-/// The same in rooms, where the reference takes about 0.1 ms a pixel and core.
-const PIXELS_OF_ROOMS: u32 = 300;
 
 /// Cells along each side of a surface's grid.
 pub(super) const GRID: usize = 200;
@@ -56,7 +52,7 @@ impl Arguments {
                 scene: "paper.toml".into(),
             },
             output: "isolux-out".into(),
-            resolution: None,
+            resolution: PIXELS,
             bounces: BouncesArgument { bounces: None },
             rungs: RungArguments::default(),
         }
@@ -156,11 +152,6 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     let solution = planned.solve(bounces)?;
     let reference = pipeline::judge(&planned.scene, pipeline::all_light(bounces))?;
     let baseline = classical(&planned, &reference);
-    let usual = if planned.plan.is_linear() {
-        PIXELS_OF_ROOMS
-    } else {
-        PIXELS
-    };
     let answers = Answers {
         scene: &planned.scene,
         plan: &planned.plan,
@@ -168,7 +159,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         solution: &solution,
         baseline: baseline.as_ref(),
     };
-    let judged = judge(&answers, &planned, arguments.resolution.unwrap_or(usual))?;
+    let judged = judge(&answers, &planned, arguments.resolution)?;
     let files = drawing::draw(&judged, &arguments.output)?;
     let rendered = rendered(&judged, bounces, files);
     let mut out = std::io::stdout().lock();

@@ -55,3 +55,62 @@ impl Solids {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::file;
+
+    /// A floor, and a block on 1 x 1 from `z` to `top`, its lowest face left out.
+    fn block(z: f64, top: f64) -> Scene {
+        let face = |name: &str, vertices: [[f64; 3]; 4]| {
+            format!("[[surface]]\nname = \"{name}\"\nvertices = {vertices:?}\nreflectance = 0.5\n")
+        };
+        let text = "isolux = 1\nname = \"t\"\nquantity = \"radiometric\"\n".to_owned()
+            + &face(
+                "floor",
+                [[0., 0., 0.], [4., 0., 0.], [4., 4., 0.], [0., 4., 0.]],
+            )
+            + &face(
+                "lid",
+                [[1., 1., top], [2., 1., top], [2., 2., top], [1., 2., top]],
+            )
+            + &face(
+                "s",
+                [[1., 1., z], [2., 1., z], [2., 1., top], [1., 1., top]],
+            )
+            + &face(
+                "e",
+                [[2., 1., z], [2., 2., z], [2., 2., top], [2., 1., top]],
+            )
+            + &face(
+                "n",
+                [[2., 2., z], [1., 2., z], [1., 2., top], [2., 2., top]],
+            )
+            + &face(
+                "w",
+                [[1., 2., z], [1., 1., z], [1., 1., top], [1., 2., top]],
+            )
+            + "[[body]]\nname = \"b\"\nsurfaces = [\"lid\", \"s\", \"e\", \"n\", \"w\"]\n";
+        file::parse("t.toml", &text).unwrap()
+    }
+
+    #[test]
+    fn a_body_hides_its_foot_and_nothing_else() {
+        let hidden = |scene: &Scene, index: usize, x: f64, y: f64, z: f64| {
+            let normal = scene.surfaces[index].normal;
+            Solids::of(scene).hide(index, DVec3::new(x, y, z), normal)
+        };
+        let standing = block(0.0, 1.0);
+        assert!(hidden(&standing, 0, 1.5, 1.5, 0.0));
+        assert!(hidden(&standing, 0, 1.01, 1.99, 0.0));
+        assert!(!hidden(&standing, 0, 0.99, 1.5, 0.0));
+        assert!(!hidden(&standing, 1, 1.5, 1.5, 1.0), "its own lid");
+        assert!(!hidden(&block(0.1, 1.0), 0, 1.5, 1.5, 0.0), "it hovers");
+        assert!(
+            hidden(&block(-0.5, 0.5), 0, 1.5, 1.5, 0.0),
+            "it passes through"
+        );
+        assert!(!hidden(&block(-1.0, -0.5), 0, 1.5, 1.5, 0.0), "it is below");
+    }
+}
