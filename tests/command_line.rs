@@ -12,6 +12,8 @@ mod program;
 mod refusals;
 #[path = "command_line/render.rs"]
 mod render;
+#[path = "command_line/rooms.rs"]
+mod rooms;
 #[path = "command_line/solve.rs"]
 mod solve;
 #[path = "command_line/whole.rs"]
@@ -34,7 +36,7 @@ fn desk() -> String {
         + "[budget]\nsamples = 24\n"
 }
 
-/// The same with a board between light and floor: it needs visibility.
+/// The same with a black board between light and floor: it needs visibility.
 fn shaded() -> String {
     desk()
         + "[[surface]]\nname = \"board\"\nvertices = [[1.5,1.5,1],[2.5,1.5,1],[2.5,2.5,1],[1.5,2.5,1]]\n"

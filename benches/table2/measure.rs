@@ -9,6 +9,7 @@ use isolux::shoot::{Light, Stop};
 use isolux_host::baseline::{self, Baseline, Parameters};
 use isolux_host::compare::{self, Answers, Compared, Errors};
 use isolux_host::device::{self, Core, Cost, Error, Job, Options};
+use isolux_host::occlusion::Solids;
 use isolux_host::reference::Reference;
 use isolux_host::solve::{self, HostRoot, Rung, Sight};
 use std::hint::black_box;
@@ -142,8 +143,9 @@ pub(crate) fn scene(
         solution: &solution,
         baseline: None,
     };
-    let a = compare::surface(&answers, A, GRID)?;
-    let b = compare::surface(&answers, B, GRID)?;
+    let solids = Solids::of(&planned.scene);
+    let of = |surface| compare::surface(&answers, &solids, surface, GRID, &mut |_| {});
+    let (a, b) = (of(A)?, of(B)?);
     let mut structured = structured(planned, [&a, &b], prices.is_some())?;
     let columns = Parameters::table_2();
     let times = Times::measure(planned, &columns)?;

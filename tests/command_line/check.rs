@@ -48,12 +48,10 @@ fn the_paper_scene_is_described() {
 fn what_this_build_lacks_is_said_and_is_no_failure() {
     let directory = tempfile::tempdir().expect("a directory");
     for (name, text, what) in [
-        ("shaded.toml", shaded(), "visibility"),
-        ("red.toml", red(), "channels"),
         (
             "rung.toml",
-            desk() + "[rungs]\nvisibility = \"exact\"\n",
-            "exact",
+            desk() + "[rungs]\nplacement = \"error\"\n",
+            "error",
         ),
         (
             "few.toml",
@@ -81,19 +79,13 @@ fn what_this_build_lacks_is_said_and_is_no_failure() {
         );
         assert!(checked["capacities"].is_null() && checked["ram_bytes"].is_null());
     }
-    let checked = document(&isolux(
-        &["check", "shaded.toml", "--json"],
-        directory.path(),
-        "",
-    ));
-    let needs = checked["requires"].to_string();
+    write(directory.path(), "shaded.toml", &shaded());
+    write(directory.path(), "red.toml", &red());
+    let check = |name| document(&isolux(&["check", name, "--json"], directory.path(), ""));
+    let needs = check("shaded.toml")["requires"].to_string();
     assert!(needs.contains("board"), "why names the occluder: {needs}");
-    let checked = document(&isolux(
-        &["check", "red.toml", "--json"],
-        directory.path(),
-        "",
-    ));
-    assert_eq!(checked["channels"], 3);
+    assert_eq!(check("red.toml")["channels"], 3);
+    assert_eq!(keys(&check("red.toml")), set(KEYS), "nothing is lacking");
 }
 
 #[test]

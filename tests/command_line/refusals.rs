@@ -148,17 +148,20 @@ fn files_that_cannot_be_read_are_refused() {
 fn what_this_build_lacks_exits_one_from_all_but_check() {
     let directory = tempfile::tempdir().expect("a directory");
     for (name, text, what) in [
-        ("shaded.toml", shaded(), "visibility"),
-        ("red.toml", red(), "channels"),
         (
-            "rung.toml",
-            desk() + "[rungs]\nvisibility = \"exact\"\n",
-            "exact",
+            "placement.toml",
+            desk() + "[rungs]\nplacement = \"error\"\n",
+            "error",
         ),
         (
-            "linear.toml",
-            desk() + "[rungs]\nemitters = \"linear\"\n",
-            "linear",
+            "layers.toml",
+            shaded() + "[rungs]\nemitters = \"layer-cake\"\n",
+            "layer-cake",
+        ),
+        (
+            "tensor.toml",
+            red() + "[rungs]\nreconstruction = \"tensor\"\n",
+            "tensor",
         ),
     ] {
         write(directory.path(), name, &text);
@@ -192,7 +195,6 @@ fn rungs_on_the_command_line() {
     write(directory.path(), "desk.toml", &desk());
     let ladders = [
         ("--arithmetic", "q29"),
-        ("--visibility", "vertex-rays"),
         ("--emitters", "layer-cake"),
         ("--transfer", "codes"),
         ("--placement", "error"),
@@ -216,14 +218,19 @@ fn rungs_on_the_command_line() {
             }
         }
     }
+    // Every rung of visibility is there: only nonsense is refused.
+    for (_, ran) in every_command(directory.path(), "desk.toml", &["--visibility", "nonsense"]) {
+        refused(&ran, 2);
+        assert!(ran.stderr.contains("vertex-rays"), "{}", ran.stderr);
+    }
     // A flag goes before the scene's own choice.
     write(
         directory.path(),
         "rung.toml",
-        &(desk() + "[rungs]\nvisibility = \"exact\"\n"),
+        &(desk() + "[rungs]\nplacement = \"error\"\n"),
     );
     let ran = isolux(
-        &["solve", "rung.toml", "--visibility", "none"],
+        &["solve", "rung.toml", "--placement", "isolux"],
         directory.path(),
         "",
     );

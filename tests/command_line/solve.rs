@@ -127,7 +127,9 @@ fn named_points_are_answered_without_a_file() {
     let solved = document(&solve(directory.path(), &["--json", "--bounces", "1"]));
     assert_eq!(
         keys(&solved),
-        set(["scene", "unit", "method", "bounces", "points"])
+        set([
+            "scene", "unit", "method", "bounces", "points", "inexact", "balance"
+        ])
     );
     assert_eq!(solved["unit"], "lx");
     assert_eq!(solved["points"][0]["name"], "desk-1");

@@ -1,10 +1,14 @@
 //! `isolux check`: is the scene sound, and what does it require?
 
+use super::SceneArgument;
+use super::choice::{self, Emitters, RungArguments};
 use super::failure::Failure;
 use super::pipeline;
-use super::{SceneArgument, choice::RungArguments};
-use crate::scene::requires::{Need, requirements};
+use crate::occlusion::Solids;
+use crate::scene::requires::{Need, Requirements, requirements};
+use crate::scene::{Body, Scene};
 use clap::Args;
+use isolux::scene::records::{Counts, Sight};
 use serde::Serialize;
 use std::io::Write;
 
@@ -41,17 +45,54 @@ struct Capacities {
     emitters: usize,
     loops: usize,
     vertices: usize,
+    occluders: usize,
+    /// Entries of the emitters' lists of what can hide them.
+    blockers: usize,
+    /// What the workspace of exact visibility must hold; all 0 without it.
+    sight: Workspace,
+}
+
+/// The capacities of the workspace, as the kernel's `Exact` takes them.
+#[derive(Serialize)]
+struct Workspace {
+    vertices: u32,
+    pieces: u32,
+    lines: u32,
+    blockers: u32,
+}
+
+impl Capacities {
+    fn of(counts: &Counts, sight: Sight) -> Self {
+        Self {
+            samples: counts.samples as usize,
+            emitters: counts.emitters as usize,
+            loops: counts.loops as usize,
+            vertices: counts.vertices as usize,
+            occluders: counts.occluders as usize,
+            blockers: counts.blockers as usize,
+            sight: Workspace {
+                vertices: sight.vertices,
+                pieces: sight.pieces,
+                lines: sight.lines,
+                blockers: sight.blockers,
+            },
+        }
+    }
 }
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     let scene = pipeline::read(&arguments.scene.scene)?;
     let needs = requirements(&scene);
+    let solids = Solids::of(&scene);
+    let mut required = needs.needs(&scene);
+    required.extend(recognised(&scene, &solids));
+    required.extend(linear(&scene, &needs, &arguments.rungs));
     let mut checked = Checked {
         surfaces: scene.surfaces.len(),
         emitters: needs.luminaires.len(),
-        bodies: scene.bodies.len(),
+        bodies: solids.surfaces().len(),
         channels: needs.channels,
-        requires: needs.needs(&scene),
+        requires: required,
         capacities: None,
         ram_bytes: None,
         flash_bytes: None,
@@ -61,14 +102,9 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     // What this build lacks or a budget forbids is an answer here, no failure.
     match pipeline::plan(scene, &arguments.rungs, &[]) {
         Ok(planned) => {
-            let counts = &planned.tables.counts;
-            checked.capacities = Some(Capacities {
-                samples: counts.samples as usize,
-                emitters: counts.emitters as usize,
-                loops: counts.loops as usize,
-                vertices: counts.vertices as usize,
-            });
-            checked.ram_bytes = Some(isolux::budget::light_bytes(counts));
+            let (ram, sight) = pipeline::ram(&planned.tables, planned.sight);
+            checked.capacities = Some(Capacities::of(&planned.tables.counts, sight));
+            checked.ram_bytes = Some(ram);
             checked.flash_bytes = Some(planned.tables.bytes().len());
         }
         Err(Failure::Limit { message, remedy }) => {
@@ -84,6 +120,48 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         write!(out, "{}", in_words(&checked))?;
     }
     Ok(())
+}
+
+/// Which surfaces make closed convex bodies, where something can hide anything.
+fn recognised(scene: &Scene, solids: &Solids) -> Option<Need> {
+    let bodies = solids.surfaces().map(|surfaces| {
+        let own = |body: &&Body| body.surfaces == surfaces;
+        match scene.bodies.iter().find(own) {
+            Some(body) => format!("`{}`", body.name),
+            None => {
+                let names = surfaces.iter().map(|&index| &scene.surfaces[index].name);
+                let names: Vec<_> = names.map(|name| format!("`{name}`")).collect();
+                format!("the loose {}", names.join(", "))
+            }
+        }
+    });
+    let bodies: Vec<String> = bodies.collect();
+    (!bodies.is_empty()).then(|| Need {
+        what: "bodies".to_owned(),
+        why: format!(
+            "{}: closed and convex, one silhouette each",
+            bodies.join("; ")
+        ),
+    })
+}
+
+/// Why reflected light needs patches with linear radiosity, where it does.
+fn linear(scene: &Scene, needs: &Requirements, rungs: &RungArguments) -> Option<Need> {
+    let choices = choice::choices(rungs, scene, needs).ok()?;
+    if choices.emitters != Emitters::Linear || needs.reflectors.is_empty() {
+        return None;
+    }
+    let why = if needs.visibility.is_some() {
+        "shadows follow no isolux outline"
+    } else if needs.reflectors.len() > choice::OPEN {
+        "light goes to and fro between more than two reflecting surfaces"
+    } else {
+        "asked for by `emitters`"
+    };
+    Some(Need {
+        what: "linear emitters".to_owned(),
+        why: why.to_owned(),
+    })
 }
 
 fn in_words(checked: &Checked) -> String {
@@ -109,6 +187,18 @@ fn in_words(checked: &Checked) -> String {
              tables of {} loops with {} vertices: {flash} bytes of flash\n",
             capacities.samples, capacities.emitters, capacities.loops, capacities.vertices,
         ));
+        let Workspace {
+            vertices,
+            pieces,
+            lines,
+            blockers,
+        } = capacities.sight;
+        if vertices > 0 {
+            text.push_str(&format!(
+                "  of the RAM a workspace for {} occluders: Exact<{vertices}, {pieces}, {lines}, {blockers}>\n",
+                capacities.occluders,
+            ));
+        }
     }
     if let Some(lacking) = &checked.lacking {
         text.push_str(&format!("it cannot be planned by this build: {lacking}\n"));

@@ -68,6 +68,16 @@ pub(super) enum Emitters {
     Linear,
 }
 
+impl Emitters {
+    /// Its name on the ladder.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Isolux => "isolux",
+            Self::Linear => "linear",
+        }
+    }
+}
+
 /// The rungs that a scene is solved with.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Choices {
@@ -78,7 +88,7 @@ pub(super) struct Choices {
 
 /// Surfaces that reflect, above which light goes to and fro so much that a
 /// scene is a room.
-const OPEN: usize = 2;
+pub(super) const OPEN: usize = 2;
 
 /// Checks every choice: the flag, else the scene's, else the default.
 pub(super) fn choices(

@@ -51,7 +51,8 @@ enum Command {
 /// A scene file, by path or by the name of a shipped scene.
 #[derive(Debug, Args)]
 struct SceneArgument {
-    /// The scene file, or the name of a scene that isolux ships: paper, paper-aspect.
+    /// The scene file, or the name of a scene that isolux ships: paper, paper-aspect,
+    /// penumbra, cornell, cornell-rgb, office.
     scene: PathBuf,
 }
 

@@ -12,6 +12,7 @@ use crate::scene::requires::requirements;
 use crate::scene::{Scene, file, shipped};
 use crate::solve::{self, Rung, Sight, Solution};
 use glam::DVec3;
+use isolux::scene::records;
 use isolux::shoot::Stop;
 use std::path::Path;
 
@@ -41,6 +42,7 @@ pub(super) struct Planned {
     pub(super) scene: Scene,
     pub(super) rung: Rung,
     pub(super) sight: Sight,
+    pub(super) emitters: Emitters,
     pub(super) plan: Plan,
     pub(super) tables: Tables,
 }
@@ -88,11 +90,12 @@ pub(super) fn plan(
     };
     let tables = bake::bake(&scene, &plan, occlusion)
         .map_err(|error| Failure::limit(error, "lower [budget] samples or split the scene"))?;
-    affordable(&scene, &tables)?;
+    affordable(&scene, &tables, choices.sight)?;
     Ok(Planned {
         scene,
         rung: choices.arithmetic,
         sight: choices.sight,
+        emitters: choices.emitters,
         plan,
         tables,
     })
@@ -106,10 +109,23 @@ fn reach(scene: &Scene, places: &[DVec3]) -> Vec<DVec3> {
     surfaces.chain(points).chain(places).copied().collect()
 }
 
+/// Bytes of RAM that the kernel's state takes on the device: the light, and the
+/// workspace of exact visibility with what it must hold.
+pub(super) fn ram(tables: &Tables, sight: Sight) -> (usize, records::Sight) {
+    let workspace = match (sight, isolux::scene::Scene::load(tables.bytes())) {
+        (Sight::Exact, Ok(scene)) => *scene.sight(),
+        // Tables that do not load are refused when they are solved.
+        _ => records::Sight::default(),
+    };
+    let light = isolux::budget::light_bytes(&tables.counts);
+    (light + isolux::budget::sight_bytes(&workspace), workspace)
+}
+
 /// Refuses what a scene's own budget cannot hold: the kernel's state in RAM and
 /// the tables in flash. Code and stack are known once a firmware is linked.
-fn affordable(scene: &Scene, tables: &Tables) -> Result<(), Failure> {
-    let ram = isolux::budget::light_bytes(&tables.counts) as u64;
+fn affordable(scene: &Scene, tables: &Tables, sight: Sight) -> Result<(), Failure> {
+    let (ram, _) = ram(tables, sight);
+    let ram = ram as u64;
     let flash = tables.bytes().len() as u64;
     let limits = [
         ("ram", "RAM", scene.budget.ram, ram),

@@ -8,10 +8,12 @@ use super::failure::Failure;
 use super::pipeline::{self, Planned};
 use super::{BouncesArgument, SceneArgument};
 use crate::baseline::{self, Baseline, Parameters};
-use crate::compare::{self, Answers, Compared, Errors, Seen, errors_by_scale};
+use crate::compare::{self, Answers, Balance, Compared, Errors, Seen, effort, errors_by_scale};
+use crate::occlusion::Solids;
 use crate::reference::Reference;
 use crate::report::Progress;
 use crate::scene::camera::View;
+use crate::scene::requires::requirements;
 use crate::solve::Solution;
 use clap::Args;
 use serde::Serialize;
@@ -65,6 +67,7 @@ struct Judged<'a> {
     baseline: Option<&'a Baseline>,
     surfaces: Vec<Compared>,
     camera: Option<(View, Seen)>,
+    balance: Balance,
 }
 
 #[derive(Serialize)]
@@ -80,7 +83,11 @@ struct Rendered<'a> {
     unshot: f32,
     surfaces: Vec<SurfaceErrors<'a>>,
     error: Errors,
+    /// The kernel's answer at each pixel, without resampling: in rooms.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    evaluated: Option<AtPixels>,
     resolution: Option<[u32; 2]>,
+    balance: Balance,
     reference: Judge,
     baseline: Option<Classical<'a>>,
     files: Vec<String>,
@@ -103,6 +110,13 @@ struct SurfaceErrors<'a> {
     emitters: usize,
     error: Errors,
     out_of_reach: u32,
+}
+
+#[derive(Serialize)]
+struct AtPixels {
+    error: Errors,
+    /// Pixels at which visibility met a bound of the workspace.
+    inexact: usize,
 }
 
 #[derive(Serialize)]
@@ -167,9 +181,13 @@ pub(super) fn make(directory: &Path) -> Result<(), Failure> {
     })
 }
 
-/// The classical method, where every surface is a parallelogram; as many
-/// reflections as the reference followed.
+/// The classical method, where every surface is a parallelogram, nothing
+/// occludes and all is grey; as many reflections as the reference followed.
 fn classical(planned: &Planned, reference: &Reference) -> Option<Baseline> {
+    let needs = requirements(&planned.scene);
+    if needs.visibility.is_some() || needs.channels > 1 {
+        return None;
+    }
     let parameters = Parameters {
         reflections: reference.reflections(),
         ..Parameters::default()
@@ -185,22 +203,27 @@ fn judge<'a>(
 ) -> Result<Judged<'a>, Failure> {
     let surfaces = &planned.scene.surfaces;
     let reflecting: Vec<usize> = (0..surfaces.len())
-        .filter(|&k| surfaces[k].reflectance[0] > 0.0)
+        .filter(|&k| surfaces[k].reflects())
         .collect();
-    let progress = Progress::start("comparing", reflecting.len() as u64 + 1);
+    let camera = planned.scene.camera.as_ref();
+    let view = camera.map(|camera| View::new(camera, resolution, resolution));
+    let pixels = view.as_ref().map_or(0, |view| effort(answers, view));
+    let places = (reflecting.len() * GRID * GRID) as u64 + pixels;
+    let progress = Progress::start("comparing", places);
+    let mut done = |places: usize| progress.advance(places as u64);
     let unknown = |error: isolux::Error| Failure::limit(error, "");
+    let solids = Solids::of(&planned.scene);
     let mut compared = Vec::new();
     let mut full_scale = vec![0.0; surfaces.len()];
     for index in reflecting {
-        let surface = compare::surface(answers, index, GRID).map_err(unknown)?;
+        let surface =
+            compare::surface(answers, &solids, index, GRID, &mut done).map_err(unknown)?;
         full_scale[index] = surface.full_scale;
         compared.push(surface);
-        progress.advance(1);
     }
-    let camera = match &planned.scene.camera {
-        Some(camera) => {
-            let view = View::new(camera, resolution, resolution);
-            let seen = compare::camera(answers, &view, &full_scale).map_err(unknown)?;
+    let camera = match view {
+        Some(view) => {
+            let seen = compare::camera(answers, &view, &full_scale, &mut done).map_err(unknown)?;
             Some((view, seen))
         }
         None => None,
@@ -212,6 +235,7 @@ fn judge<'a>(
         baseline: answers.baseline,
         surfaces: compared,
         camera,
+        balance: compare::balance(&planned.scene, &planned.plan, answers.solution),
     })
 }
 
@@ -283,8 +307,8 @@ fn rendered<'a>(judged: &'a Judged<'a>, bounces: Option<u32>, files: Vec<String>
         bounces,
         rungs: Chosen {
             arithmetic: judged.planned.rung.name(),
-            visibility: "none",
-            emitters: "isolux",
+            visibility: judged.planned.sight.name(),
+            emitters: judged.planned.emitters.name(),
             transfer: "exact",
             placement: "isolux",
             reconstruction: "cone",
@@ -296,12 +320,20 @@ fn rendered<'a>(judged: &'a Judged<'a>, bounces: Option<u32>, files: Vec<String>
         unshot: solved.unshot,
         surfaces: surfaces.collect(),
         error: judged.overall(),
+        evaluated: judged.camera.as_ref().and_then(|(_, seen)| {
+            let evaluated = seen.evaluated.as_ref()?;
+            Some(AtPixels {
+                error: evaluated.errors,
+                inexact: evaluated.inexact,
+            })
+        }),
+        balance: judged.balance,
         resolution: judged
             .camera
             .as_ref()
             .map(|(view, _)| [view.width(), view.height()]),
         reference: Judge {
-            name: "f64, direct light analytic, reflections by adaptive quadrature",
+            name: "f64, direct light analytic, reflections by adaptive quadrature or Galerkin radiosity",
             reflections: judged.reference.reflections(),
             accuracy: judged.reference.accuracy(),
         },

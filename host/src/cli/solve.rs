@@ -4,6 +4,8 @@ use super::choice::RungArguments;
 use super::failure::Failure;
 use super::pipeline::{self, Planned};
 use super::{BouncesArgument, SceneArgument};
+use crate::compare::{self, Balance};
+use crate::reference::Reference;
 use crate::report;
 use crate::scene::Scene;
 use crate::scene::diagnostic::Diagnostic;
@@ -17,7 +19,8 @@ use std::io::Write;
 use std::path::PathBuf;
 
 /// Prints the irradiance at points as CSV: `x,y,z,nx,ny,nz,E`, in W/m² (lx in a
-/// photometric scene), rows in the order of the points.
+/// photometric scene), or `E_r,E_g,E_b` where the scene has colour, rows in the
+/// order of the points.
 ///
 /// The kernel evaluates every point from the emitters, without resampling.
 #[derive(Debug, Args)]
@@ -45,6 +48,12 @@ struct Solved<'a> {
     unit: &'static str,
     method: &'static str,
     bounces: Option<u32>,
+    /// Points at which visibility met a bound of the workspace.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    inexact: Option<usize>,
+    /// Where the light went that the kernel shot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    balance: Option<Balance>,
     points: Vec<Answer>,
 }
 
@@ -86,6 +95,23 @@ struct Asked {
     point: SensorPoint,
 }
 
+/// What one of the methods found.
+struct Answers {
+    values: Vec<[Value; 3]>,
+    inexact: Option<usize>,
+    balance: Option<Balance>,
+}
+
+impl Answers {
+    fn of(values: Vec<[Value; 3]>) -> Self {
+        Self {
+            values,
+            inexact: None,
+            balance: None,
+        }
+    }
+}
+
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     let scene = pipeline::read(&arguments.scene.scene)?;
     let unit = scene.quantity.irradiance_unit();
@@ -97,27 +123,31 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         _ => &COLOUR,
     };
     let places: Vec<glam::DVec3> = asked.iter().map(|a| a.point.position).collect();
-    let values = if arguments.reference {
+    let answers = if arguments.reference {
         super::choice::choices(&arguments.rungs, &scene, &requirements(&scene))?;
-        let reference = pipeline::judge(&scene, pipeline::same_light(bounces))?;
-        let places: Vec<_> = asked
-            .iter()
-            .map(|a| (a.point.position, a.point.normal))
-            .collect();
-        reference
-            .irradiance_at(&places)
-            .into_iter()
-            .map(|value| [Value::Double(value); 3])
-            .collect()
+        referred(
+            &pipeline::judge(&scene, pipeline::same_light(bounces))?,
+            &asked,
+        )
     } else {
         let planned = pipeline::plan(scene, &arguments.rungs, &places)?;
         let solution = planned.solve(bounces)?;
-        if arguments.reconstructed {
+        let mut answers = if arguments.reconstructed {
             reconstructed(&planned, &solution, &asked, arguments)?
         } else {
             evaluated(&solution, &asked)?
+        };
+        if json {
+            let balance = compare::balance(&planned.scene, &planned.plan, &solution);
+            answers.balance = Some(balance);
         }
+        answers
     };
+    let Answers {
+        values,
+        inexact,
+        balance,
+    } = answers;
     let method = match (arguments.reference, arguments.reconstructed) {
         (true, _) => "reference",
         (_, true) => "reconstructed",
@@ -133,6 +163,8 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
             unit,
             method,
             bounces,
+            inexact,
+            balance,
             points,
         };
         serde_json::to_writer(&mut out, &solved).map_err(std::io::Error::from)?;
@@ -193,7 +225,16 @@ fn asked(arguments: &Arguments, scene: &Scene) -> Result<Vec<Asked>, Failure> {
     Ok(named.collect())
 }
 
-fn evaluated(solution: &Solution<'_>, asked: &[Asked]) -> Result<Vec<[Value; 3]>, Failure> {
+fn referred(reference: &Reference, asked: &[Asked]) -> Answers {
+    let places: Vec<_> = asked
+        .iter()
+        .map(|asked| (asked.point.position, asked.point.normal))
+        .collect();
+    let values = reference.light_at(&places).into_iter();
+    Answers::of(values.map(|value| value.map(Value::Double)).collect())
+}
+
+fn evaluated(solution: &Solution<'_>, asked: &[Asked]) -> Result<Answers, Failure> {
     let receivers: Vec<_> = asked
         .iter()
         .map(|asked| {
@@ -212,7 +253,10 @@ fn evaluated(solution: &Solution<'_>, asked: &[Asked]) -> Result<Vec<[Value; 3]>
         ));
     }
     let single = |at: At| at.value.map(Value::Single);
-    Ok(values.into_iter().map(single).collect())
+    Ok(Answers {
+        inexact: Some(inexact),
+        ..Answers::of(values.into_iter().map(single).collect())
+    })
 }
 
 /// How far a normal may lean from its surface's: 0.1°.
@@ -223,7 +267,7 @@ fn reconstructed(
     solution: &Solution<'_>,
     asked: &[Asked],
     arguments: &Arguments,
-) -> Result<Vec<[Value; 3]>, Failure> {
+) -> Result<Answers, Failure> {
     let tolerance = planned.scene.plane_tolerance();
     let one = |asked: &Asked| {
         let point = &asked.point;
@@ -244,7 +288,8 @@ fn reconstructed(
             .map(|values| values.map(Value::Single))
             .ok_or_else(|| off_surface(asked, arguments))
     };
-    asked.iter().map(one).collect()
+    let values: Result<_, Failure> = asked.iter().map(one).collect();
+    values.map(Answers::of)
 }
 
 fn off_surface(asked: &Asked, arguments: &Arguments) -> Failure {

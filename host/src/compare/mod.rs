@@ -11,19 +11,23 @@
 //!
 //! Drettakis & Fiume (1992) leave open which of the two their percentages
 //! mean; a relative error blames the dark places, a full-scale error forgives
-//! them, so neither is shown alone.
+//! them, so neither is shown alone. Where there is colour, a and r are means of
+//! the three channels.
 
+mod balance;
 mod camera;
 mod surface;
 
-pub use camera::{Seen, camera};
+pub use balance::{Balance, balance};
+pub use camera::{Evaluated, Seen, camera, effort};
 pub use surface::{Compared, surface};
 
 use crate::baseline::Baseline;
 use crate::plan::Plan;
 use crate::reference::Reference;
 use crate::scene::Scene;
-use crate::solve::{Channels, Solution};
+use crate::solve::Solution;
+use glam::DVec3;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 /// The three answers that are compared: the reference, the kernel's, and where
@@ -43,13 +47,31 @@ pub struct Answers<'a> {
 }
 
 /// The mean of the channels: what errors are judged by where there is colour.
-fn mean(channels: Channels) -> f64 {
-    let [r, g, b] = channels.map(f64::from);
+#[must_use]
+pub fn mean([r, g, b]: [f64; 3]) -> f64 {
     if r == g && g == b {
         r
     } else {
         (r + g + b) / 3.0
     }
+}
+
+/// Places asked for between two reports of progress.
+const BATCH: usize = 1024;
+
+/// The reference at many places with their normals; `done` is told how many
+/// more have been answered.
+fn exact(
+    reference: &Reference,
+    places: &[(DVec3, DVec3)],
+    done: &mut dyn FnMut(usize),
+) -> Vec<[f64; 3]> {
+    let mut values = Vec::with_capacity(places.len());
+    for batch in places.chunks(BATCH) {
+        values.extend(reference.light_at(batch));
+        done(batch.len());
+    }
+    values
 }
 
 /// The tolerances, in percent, whose exceedance is counted in [`Statistics::over`].

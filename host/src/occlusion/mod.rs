@@ -9,6 +9,7 @@
 mod bodies;
 mod convex;
 mod shape;
+mod solids;
 
 use std::collections::HashMap;
 use std::fmt;
@@ -18,6 +19,7 @@ use isolux::visibility::records::{Blocker, Edge, Face, Occluder, Occluders, Targ
 
 use crate::scene::{PLANE_TOLERANCE, Scene, Surface};
 use shape::{Plane, Shape};
+pub use solids::Solids;
 
 /// More than the tables can index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

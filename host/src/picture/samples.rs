@@ -57,11 +57,12 @@ pub fn samples(plan: &SamplePlan) -> Result<Picture, PictureError> {
     });
     page.axes();
     let tags = tags(plan);
+    let size = mark_size(page.map, plan.samples.len());
     for sample in &plan.samples {
         let kind = tags.iter().position(|tag| *tag == sample.tag).unwrap_or(0);
         let at = page.pixel(sample.position);
         if page.map.meets(&Frame::new(at[0], at[1], 0.0, 0.0), 1.0) {
-            Mark::of(kind).draw(&mut page.canvas, at);
+            Mark::of(kind).draw(&mut page.canvas, at, size);
         }
     }
     if plan.emitters.len() <= MAX_NUMBERED {
@@ -75,6 +76,14 @@ pub fn samples(plan: &SamplePlan) -> Result<Picture, PictureError> {
     Ok(Picture {
         canvas: page.canvas,
     })
+}
+
+/// How large marks are drawn: smaller where there are so many that they would
+/// cover each other.
+fn mark_size(map: Frame, count: usize) -> f32 {
+    // A mark and the space about it are 24 pixels wide.
+    let room = (map.width * map.height / count.max(1) as f32).sqrt() / 24.0;
+    room.clamp(0.16, 1.0)
 }
 
 fn counted(count: usize, what: &str) -> String {
@@ -194,16 +203,18 @@ impl Mark {
         MARKS[kind % MARKS.len()]
     }
 
-    fn draw(self, canvas: &mut Canvas, at: [f32; 2]) {
-        let offset = |x: f32, y: f32| [at[0] + x, at[1] + y];
+    /// Draws it at `size`, 1 being the legend's.
+    fn draw(self, canvas: &mut Canvas, at: [f32; 2], size: f32) {
+        let offset = |x: f32, y: f32| [at[0] + size * x, at[1] + size * y];
+        let pen = |colour, width: f32| Pen::new(colour, size * width, 1.0);
         match self {
             Self::Disc(colour) => {
-                disc(canvas, at, 5.5, WHITE);
-                disc(canvas, at, 4.5, colour);
+                disc(canvas, at, size * 5.5, WHITE);
+                disc(canvas, at, size * 4.5, colour);
             }
             Self::Ring(colour) => {
-                ring(canvas, at, 7.0, Pen::new(WHITE, 4.0, 1.0));
-                ring(canvas, at, 7.0, Pen::new(colour, 2.2, 1.0));
+                ring(canvas, at, size * 7.0, pen(WHITE, 4.0));
+                ring(canvas, at, size * 7.0, pen(colour, 2.2));
             }
             Self::Cross(colour) | Self::Plus(colour) => {
                 let arm = 5.5;
@@ -218,7 +229,7 @@ impl Mark {
                         [offset(0.0, -7.0), offset(0.0, 7.0)],
                     ]
                 };
-                for pen in [Pen::new(WHITE, 4.2, 1.0), Pen::new(colour, 2.2, 1.0)] {
+                for pen in [pen(WHITE, 4.2), pen(colour, 2.2)] {
                     for stroke in &strokes {
                         canvas.stroke(stroke, false, pen);
                     }
@@ -227,12 +238,12 @@ impl Mark {
             Self::Square(colour) => {
                 let r = 6.0;
                 let points = [offset(-r, -r), offset(r, -r), offset(r, r), offset(-r, r)];
-                canvas.stroke(&points, true, Pen::new(WHITE, 4.0, 1.0));
-                canvas.stroke(&points, true, Pen::new(colour, 2.2, 1.0));
+                canvas.stroke(&points, true, pen(WHITE, 4.0));
+                canvas.stroke(&points, true, pen(colour, 2.2));
             }
             Self::Triangle(colour) => {
                 let points = vec![offset(0.0, -7.0), offset(6.2, 4.5), offset(-6.2, 4.5)];
-                canvas.stroke(&points, true, Pen::new(WHITE, 2.5, 1.0));
+                canvas.stroke(&points, true, pen(WHITE, 2.5));
                 canvas.fill_loops(&[points], colour, 1.0);
             }
         }
@@ -276,7 +287,7 @@ fn legend(
     }
     for (kind, tag) in tags.iter().enumerate() {
         let count = plan.samples.iter().filter(|mark| mark.tag == *tag).count();
-        Mark::of(kind).draw(canvas, [room.x + 12.0, y]);
+        Mark::of(kind).draw(canvas, [room.x + 12.0, y], 1.0);
         let left = room.x + 30.0;
         for line in colour_bar::wrapped(&format!("{tag} ({count})"), room.right() - left, SMALL) {
             canvas.text(&line, [left, y], SMALL, Anchor::Left);

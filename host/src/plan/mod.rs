@@ -66,6 +66,41 @@ impl SurfacePlan {
         self.tagged(Tag::Reflected)
     }
 
+    /// The loops of each secondary emitter, in the order of the tables: a place in
+    /// an odd number of them belongs to it.
+    pub fn outlines(&self) -> Vec<Vec<Vec<[f64; 2]>>> {
+        let vertex = |&sample: &usize| self.samples[sample].vertex;
+        let bands = self.bands.iter().map(|band| {
+            let outline = |indices: &Vec<usize>| indices.iter().map(vertex).collect();
+            band.loops.iter().map(outline).collect()
+        });
+        let patches = self.patches.iter().map(|patch| patch.pieces.clone());
+        bands.chain(patches).collect()
+    }
+
+    /// The area of each secondary emitter in m².
+    pub fn areas(&self) -> Vec<f64> {
+        let bands = self.bands.iter().map(|band| band.area);
+        let patches = self.patches.iter().map(|patch| patch.area);
+        bands.chain(patches).collect()
+    }
+
+    /// What the mean irradiance of each secondary emitter is had from: indices
+    /// into [`samples`](Self::samples) and their shares.
+    pub fn shares(&self) -> Vec<Vec<(usize, f64)>> {
+        let bands = self.bands.iter().map(|band| {
+            let share = 1.0 / band.members.len() as f64;
+            band.members.iter().map(|&member| (member, share)).collect()
+        });
+        let patches = self.patches.iter().map(|patch| {
+            let members = patch.members.iter();
+            members
+                .map(|&(member, [mean, ..])| (member, mean))
+                .collect()
+        });
+        bands.chain(patches).collect()
+    }
+
     fn tagged(&self, tag: Tag) -> usize {
         self.samples.iter().filter(|s| s.tag == tag).count()
     }

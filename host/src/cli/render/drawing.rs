@@ -2,7 +2,7 @@
 
 use super::Judged;
 use crate::cli::failure::Failure;
-use crate::compare::{Compared, Seen};
+use crate::compare::{self, Compared, Seen};
 use crate::picture::{
     self, CameraView, EmitterShape, Picture, PictureError, Pixel, SampleMark, SamplePlan,
     SurfaceField,
@@ -49,58 +49,78 @@ fn camera(
     seen: &Seen,
     album: &mut Album<'_>,
 ) -> Result<(), Failure> {
-    let quantity = judged.planned.scene.quantity;
+    let scene = &judged.planned.scene;
     let exact = pixels(judged, view, seen, &seen.reference);
     let structured = pixels(judged, view, seen, &seen.structured);
-    let baseline = seen
-        .baseline
-        .as_ref()
-        .map(|values| pixels(judged, view, seen, values));
-    album.add("picture", picture::camera_picture(&structured))?;
-    let mut panels = vec![("exact", &exact), ("structured sampling", &structured)];
-    if let Some(baseline) = &baseline {
-        panels.push(("ray-traced form factors", baseline));
-    }
-    album.add("side-by-side", picture::side_by_side(&panels, quantity))?;
+    let evaluated = seen.evaluated.as_ref();
+    let evaluated = evaluated.map(|evaluated| pixels(judged, view, seen, &evaluated.values));
+    let baseline = seen.baseline.as_ref();
+    let baseline = baseline.map(|values| pixels(judged, view, seen, values));
+    // Where the kernel has evaluated every pixel that is its picture.
+    let (best, how) = match &evaluated {
+        Some(evaluated) => (evaluated, "evaluated at each pixel"),
+        None => (&structured, "structured"),
+    };
+    album.add("picture", picture::camera_picture(best))?;
+    let mut panels = vec![("exact reference", &exact)];
+    panels.extend(
+        evaluated
+            .iter()
+            .map(|view| ("evaluated at each pixel", view)),
+    );
+    panels.push(match evaluated {
+        Some(_) => ("reconstructed from the samples", &structured),
+        None => ("structured sampling", &structured),
+    });
+    panels.extend(
+        baseline
+            .iter()
+            .map(|view| ("ray-traced form factors", view)),
+    );
+    album.add(
+        "side-by-side",
+        picture::side_by_side(&panels, scene.quantity),
+    )?;
     let title = format!(
-        "{}: {}, structured",
-        judged.planned.scene.name,
-        quantity.irradiance_name()
+        "{}: {}, {how}",
+        scene.name,
+        scene.quantity.irradiance_name()
     );
     album.add(
         "false-colour",
-        picture::camera_false_colour(&structured, &title, quantity),
+        picture::camera_false_colour(best, &title, scene.quantity),
     )?;
-    let mut full_scale = vec![0.0; judged.planned.scene.surfaces.len()];
+    let mut full_scale = vec![0.0; scene.surfaces.len()];
     for compared in &judged.surfaces {
         full_scale[compared.surface] = compared.full_scale;
     }
-    let title = format!(
-        "{}: error of structured sampling",
-        judged.planned.scene.name
-    );
-    album.add(
-        "error",
-        picture::camera_error_map(&structured, &exact, &full_scale, &title),
-    )
+    let mut error = |name: &str, of: &str, view: &CameraView| {
+        let title = format!("{}: error of {of}", scene.name);
+        let map = picture::camera_error_map(view, &exact, &full_scale, &title);
+        album.add(name, map)
+    };
+    if let Some(evaluated) = &evaluated {
+        error("error-evaluated", "the kernel at each pixel", evaluated)?;
+    }
+    error("error", "structured sampling", &structured)
 }
 
 /// A camera's pixels with one of the answers as their irradiance.
-fn pixels(judged: &Judged<'_>, view: &View, seen: &Seen, irradiance: &[f64]) -> CameraView {
-    let pixel = |(hit, &irradiance): (&Option<_>, &f64)| {
+fn pixels(judged: &Judged<'_>, view: &View, seen: &Seen, irradiance: &[[f64; 3]]) -> CameraView {
+    let pixel = |(hit, &irradiance): (&Option<_>, &[f64; 3])| {
         let hit: &crate::scene::camera::Hit = hit.as_ref()?;
         let surface = &judged.planned.scene.surfaces[hit.surface];
+        let of = |k: usize| surface.radiance[k] + surface.reflectance[k] * irradiance[k] / PI;
         let radiance = if hit.front {
-            let [emitted, ..] = surface.radiance;
-            emitted + surface.reflectance[0] * irradiance / PI
+            std::array::from_fn(of)
         } else {
-            0.0
+            [0.0; 3]
         };
         Some(Pixel {
             surface: hit.surface,
             luminaire: hit.front && surface.emits() && !surface.reflects(),
-            irradiance,
-            radiance: [radiance; 3],
+            irradiance: compare::mean(irradiance),
+            radiance,
         })
     };
     CameraView {
@@ -187,32 +207,15 @@ fn sample_plan(judged: &Judged<'_>, compared: &Compared, beneath: SurfaceField) 
             .iter()
             .map(|surface| surface.bands.len() + surface.patches.len())
             .sum::<usize>();
-    let radiosity = |k: usize| f64::from(judged.solution.radiosity(first + k)[0]);
-    let patches = planned
-        .patches
-        .iter()
-        .enumerate()
-        .map(|(k, patch)| EmitterShape {
-            loops: patch.pieces.clone(),
-            radiosity: radiosity(k),
-        });
-    let emitters = planned
-        .bands
-        .iter()
-        .enumerate()
-        .map(|(k, band)| EmitterShape {
-            loops: band
-                .loops
-                .iter()
-                .map(|indices| {
-                    indices
-                        .iter()
-                        .map(|&sample| planned.samples[sample].vertex)
-                        .collect()
-                })
-                .collect(),
-            radiosity: radiosity(k),
-        });
+    let radiosity = |k: usize| {
+        let channels = judged.solution.radiosity(first + k);
+        compare::mean(channels.map(f64::from))
+    };
+    let outlines = planned.outlines().into_iter().enumerate();
+    let emitters = outlines.map(|(k, loops)| EmitterShape {
+        loops,
+        radiosity: radiosity(k),
+    });
     // In the order of the tags, so that each tag has the same mark on every
     // surface.
     let mut ordered = planned.samples.clone();
@@ -228,7 +231,7 @@ fn sample_plan(judged: &Judged<'_>, compared: &Compared, beneath: SurfaceField) 
         size: [planned.frame.size_u, planned.frame.size_v],
         outline: outline(judged, compared.surface),
         samples: samples.collect(),
-        emitters: emitters.chain(patches).collect(),
+        emitters: emitters.collect(),
         field: Some(beneath),
     }
 }

@@ -1,8 +1,8 @@
 //! The error table on a terminal.
 
 use super::{Judged, Rendered};
-use crate::compare::Errors;
-use crate::report::{ErrorRow, error_table, percent};
+use crate::compare::{Balance, Errors};
+use crate::report::{ErrorRow, error_table, percent, quantity};
 use std::path::Path;
 
 pub(super) fn table(judged: &Judged<'_>, rendered: &Rendered<'_>, output: &Path) -> String {
@@ -33,6 +33,17 @@ pub(super) fn table(judged: &Judged<'_>, rendered: &Rendered<'_>, output: &Path)
         percent(100.0 * f64::from(rendered.unshot)),
         error_table(&structured),
     );
+    if let Some(evaluated) = &rendered.evaluated {
+        text.push_str(&format!(
+            "\nevaluated at each pixel by the kernel, without reconstruction{}\n\n{}\n",
+            match evaluated.inexact {
+                0 => String::new(),
+                count => format!("; at {count} pixels visibility met a bound of the workspace"),
+            },
+            error_table(&[all(evaluated.error)]),
+        ));
+    }
+    text.push_str(&balance(&rendered.balance));
     if let Some(classical) = &rendered.baseline {
         let rows = classical.surfaces.iter().map(|surface| ErrorRow {
             name: surface.name.to_owned(),
@@ -56,4 +67,29 @@ pub(super) fn table(judged: &Judged<'_>, rendered: &Rendered<'_>, output: &Path)
         rendered.files.join(", "),
     ));
     text
+}
+
+/// Where the light went, in parts of what was shot.
+fn balance(balance: &Balance) -> String {
+    let part = |power: f64| {
+        let part = if balance.shot > 0.0 {
+            100.0 * power / balance.shot
+        } else {
+            0.0
+        };
+        format!("{} ({} %)", quantity(power), percent(part))
+    };
+    format!(
+        "\nbalance in {}: {} emitted, {} shot, {} unshot\n\
+         of the shot {} received, {} on black fronts, {} on backs, {} left the scene, {} missing\n",
+        balance.unit,
+        quantity(balance.emitted),
+        quantity(balance.shot),
+        quantity(balance.unshot),
+        part(balance.received),
+        part(balance.elsewhere),
+        part(balance.on_backs),
+        part(balance.leaving),
+        part(balance.missing),
+    )
 }
