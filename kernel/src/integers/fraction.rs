@@ -41,7 +41,8 @@ pub(super) fn threshold(fraction: f32) -> i64 {
     if exponent == 0xff && (mantissa != 0 || bits >> 31 == 0) {
         return i64::MAX;
     }
-    if bits >> 31 == 1 && bits << 1 != 0 {
+    // Below −0. Asked as `bits << 1 != 0`, the compiler would compare with 0.0.
+    if bits > 1 << 31 {
         return -1;
     }
     let mantissa = mantissa | 0x0080_0000;
