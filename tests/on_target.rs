@@ -12,7 +12,7 @@ use isolux::shoot::{Light, Stop};
 use isolux_host::device::{self, Core, Error, Job, Measured, Options};
 use isolux_host::reference::{Reference, Reflections};
 use isolux_host::scene::{Budget, file, shipped};
-use isolux_host::solve::{self, Rung, Sight};
+use isolux_host::solve::{self, FormFactorRung, Rung, Sight};
 use isolux_host::{bake, plan};
 use zerocopy::IntoBytes;
 
@@ -217,11 +217,11 @@ fn the_paper_scene_gives_the_hosts_bits_on_every_core() {
     let tables = bake::bake(&scene, &plan, None).expect("tables");
     for rung in [Rung::Best, Rung::Libm] {
         let solution = solve::solve(&tables, rung, Sight::None, STOP).expect("a solution");
-        let mut expected = solution.bits(&solution.irradiance());
+        let mut expected = solution.irradiance_bits();
         for (index, surface) in plan.surfaces.iter().enumerate() {
             if !surface.samples.is_empty() {
                 let grid = solution.resample(index, RESOLUTION as u32).expect("a grid");
-                expected.extend(solution.bits(&grid.values));
+                expected.extend(grid.bits);
             }
         }
         let job = Job {
@@ -251,6 +251,57 @@ fn the_paper_scene_gives_the_hosts_bits_on_every_core() {
         assert!(measured.budget.kept, "{rung:?}");
         assert!(measured.stack_bytes <= measured.stack_bound_bytes);
     }
+}
+
+/// The same scene in integers, where nothing is to be had from an FPU.
+#[test]
+fn integers_give_the_hosts_bits_on_every_core() {
+    const ROWS: usize = 6;
+    let (_, source) = shipped::ALL
+        .iter()
+        .find(|(name, _)| *name == "paper.toml")
+        .expect("shipped");
+    let scene = file::parse("paper.toml", source).expect("a sound scene");
+    let once = Reference::new(&scene, Reflections::AtMost(1), &mut |_| {}).expect("a reference");
+    let field = |places: &[_]| once.irradiance_at(places);
+    let plan = plan::isolux(&scene, &scene.budget, &field).expect("a plan");
+    let tables = bake::integers::bake(&scene, &plan).expect("tables");
+    let rung = FormFactorRung::Q29;
+    let solution = solve::solve(&tables, rung, Sight::None, STOP).expect("a solution");
+    let mut expected = solution.irradiance_bits();
+    for (index, _) in (0..)
+        .zip(&plan.surfaces)
+        .filter(|(_, s)| !s.samples.is_empty())
+    {
+        let grid = solution.resample(index, ROWS as u32).expect("a grid");
+        expected.extend(grid.bits);
+    }
+    let job = Job {
+        scene: &scene.name,
+        tables: tables.bytes(),
+        arithmetic: rung.name(),
+        visibility: "none",
+        stop: STOP,
+        resolution: ROWS,
+        expected: &expected,
+        budget: scene.budget,
+    };
+    let options = Options {
+        software_root: false,
+        ..Options::default()
+    };
+    let measured = match device::run(&job, &options) {
+        Ok(measured) => measured,
+        Err(error) => return skip(error).unwrap_or_default(),
+    };
+    println!("{measured:#?}");
+    assert!(measured.bits_equal);
+    assert_eq!(measured.values, 58 + 2 * ROWS * ROWS);
+    assert!(measured.stack_bytes <= measured.stack_bound_bytes);
+    let counts: Vec<u64> = measured.targets.iter().map(|t| t.instructions).collect();
+    let (least, most) = (counts.iter().min(), counts.iter().max());
+    let (least, most) = (least.expect("cores"), most.expect("cores"));
+    assert!(most * 10 < least * 11, "no core is at a loss: {counts:?}");
 }
 
 #[test]

@@ -49,6 +49,43 @@ fn alone(core: Core, extent: Extent) -> Option<Vec<Flash>> {
     }
 }
 
+/// Whether a symbol is what the compiler's runtime does to floating-point
+/// numbers where no FPU does. Symbols alone: its debugger's strings name all of
+/// the runtime, linked or not.
+fn is_emulated(name: &str) -> bool {
+    let begins = ["__aeabi_f", "__aeabi_d", "__aeabi_i2", "__aeabi_ui2"];
+    let ends = ["sf3", "df3", "sf2", "df2"];
+    begins.iter().any(|begin| name.starts_with(begin))
+        || name.starts_with("__") && ends.iter().any(|end| name.ends_with(end))
+}
+
+/// On a core without FPU every floating-point operation is a call.
+#[test]
+fn the_whole_kernel_in_integers_reaches_no_floating_point() {
+    let core = Core::CortexM3;
+    let found = match device::flash(core, &["best", "q24", "q29"], Extent::WholeKernel) {
+        Ok(found) => found,
+        Err(error) => {
+            let required = std::env::var_os("ISOLUX_REQUIRE_QEMU").is_some();
+            assert!(error.is_missing() && !required, "{error}");
+            eprintln!("SKIPPED: {error}");
+            return;
+        }
+    };
+    for flash in &found {
+        println!("{} {} bytes", flash.rung, flash.code_bytes);
+        let functions = flash.functions.iter();
+        let emulated: Vec<_> = functions.filter(|name| is_emulated(name)).collect();
+        let is_float = flash.rung == "best";
+        assert_eq!(
+            !emulated.is_empty(),
+            is_float,
+            "{}: {emulated:?}",
+            flash.rung
+        );
+    }
+}
+
 fn holds(flash: &Flash, part: &str) -> bool {
     flash.functions.iter().any(|name| name.contains(part))
 }

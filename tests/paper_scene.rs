@@ -11,7 +11,7 @@ use isolux_host::bake;
 use isolux_host::plan::{self, Plan};
 use isolux_host::reference::{Reference, Reflections};
 use isolux_host::scene::{Scene, file, shipped};
-use isolux_host::solve::{self, Rung, Sight};
+use isolux_host::solve::{self, FormFactorRung, Rung, Sight};
 use program::isolux;
 use serde::Deserialize;
 use std::fmt::Write;
@@ -122,6 +122,49 @@ fn the_kernel_agrees_within_the_rungs_errors() {
                 .iter()
                 .all(|at| at.value == [0.0; 3])
         );
+    }
+}
+
+/// In integers the light is that of `best` but for the form factors' own
+/// errors: as parts of the brightest place's.
+#[test]
+fn integers_add_no_more_than_their_rungs_error() {
+    for (name, source, points) in scenes() {
+        let (scene, plan) = planned(name, source);
+        let floats = bake::bake(&scene, &plan, None).expect("tables");
+        let whole = bake::integers::bake(&scene, &plan).expect("tables");
+        for (surface, bounces) in [("A", 0), ("B", 1)] {
+            let single = |v: [f64; 3]| v.map(|x| x as f32);
+            let asked: Vec<_> = on(&points, surface)
+                .map(|point| (single(point.p), single(point.n)))
+                .collect();
+            let exact: Vec<f64> = on(&points, surface).map(|p| p.irradiance).collect();
+            let brightest = exact.iter().copied().fold(0.0, f64::max);
+            let stop = Stop::Reflections(bounces);
+            let answers = |tables, rung: FormFactorRung| -> Vec<f64> {
+                let solution = solve::solve(tables, rung, Sight::None, stop);
+                let answers = solution.expect("a solution").at(&asked);
+                let answers = answers.expect("receivers").into_iter();
+                answers.map(|at| f64::from(at.value[0])).collect()
+            };
+            let off = |of: &[f64], from: &[f64]| {
+                let off = of.iter().zip(from).map(|(a, b)| (a - b).abs());
+                off.fold(0.0, f64::max) / brightest
+            };
+            let best = answers(&floats, Rung::Best.into());
+            let own = off(&best, &exact);
+            println!("{name}, {surface}: best {own:.1e} from the reference");
+            for (rung, allowed) in [(FormFactorRung::Q29, 1e-6), (FormFactorRung::Q24, 1e-4)] {
+                let got = answers(&whole, rung);
+                let (exact, apart) = (off(&got, &exact), off(&got, &best));
+                println!(
+                    "{name}, {surface}: {} {exact:.1e} from the reference, {apart:.1e} from best",
+                    rung.name()
+                );
+                assert!(apart <= allowed, "{name}, {surface}: {apart:e}");
+                assert!(exact <= own + allowed, "{name}, {surface}: {exact:e}");
+            }
+        }
     }
 }
 

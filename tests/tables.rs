@@ -1,8 +1,12 @@
 //! The tables between host and kernel: what is refused and why, what happens
 //! to tables that somebody changed, and the energy in what they describe.
 
+#[path = "tables/endurance.rs"]
+mod endurance;
 #[path = "tables/energy.rs"]
 mod energy;
+#[path = "tables/integers.rs"]
+mod integers;
 #[path = "tables/mutation.rs"]
 mod mutation;
 #[path = "tables/refusals.rs"]

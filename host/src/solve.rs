@@ -4,6 +4,8 @@
 //! which judges it. Independent samples are spread over the cores; no sum is
 //! divided, so no bit depends on how many there are.
 
+mod integers;
+
 use crate::bake::Tables;
 use isolux::Error;
 use isolux::form_factor::fixed_point::{self, Format, Q24, Q29, Scale};
@@ -127,11 +129,11 @@ impl Rung {
     }
 }
 
-/// What a form factor by itself can be computed with: every rung of scenes, and
-/// the integer ones.
+/// What a form factor, and a scene baked for it, can be computed with: the
+/// rungs in floating point, and the integer ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FormFactorRung {
-    /// A rung that scenes are solved with.
+    /// A rung in floating point, which every scene can be solved with.
     Float(Rung),
     /// [`Q24`].
     Q24,
@@ -139,7 +141,24 @@ pub enum FormFactorRung {
     Q29,
 }
 
+impl Default for FormFactorRung {
+    fn default() -> Self {
+        Rung::default().into()
+    }
+}
+
+impl From<Rung> for FormFactorRung {
+    fn from(rung: Rung) -> Self {
+        Self::Float(rung)
+    }
+}
+
 impl FormFactorRung {
+    /// Whether a scene is baked in integers for it.
+    pub fn is_integer(self) -> bool {
+        !matches!(self, Self::Float(_))
+    }
+
     /// All rungs, in the order of the ladder.
     pub const ALL: [Self; 8] = [
         Self::Float(Rung::Libm),
@@ -361,7 +380,8 @@ trait Lit: Send + Sync {
     fn solve(&mut self, stop: Stop) -> Solved;
     fn channels(&self) -> usize;
     fn irradiance(&self) -> Vec<Channels>;
-    fn at(&self, receivers: &[Receiver<f32>]) -> Vec<At>;
+    fn irradiance_bits(&self) -> Vec<u32>;
+    fn at(&self, receivers: &[([f32; 3], [f32; 3])]) -> Result<Vec<At>, Error>;
     fn radiosity(&self, emitter: usize) -> Channels;
     fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<Channels>, Error>;
     fn row(
@@ -370,6 +390,7 @@ trait Lit: Send + Sync {
         grid: [u32; 2],
         row: u32,
         out: &mut [Channels],
+        bits: &mut [u32],
     ) -> Result<u32, Error>;
 }
 
@@ -408,13 +429,19 @@ where
         values.map(|value| value.channels()).collect()
     }
 
-    fn at(&self, receivers: &[Receiver<f32>]) -> Vec<At> {
-        let one = |sight: &mut Looking, receiver: &Receiver<f32>| {
-            let bracket = self.at_with(receiver, sight);
-            At {
+    fn irradiance_bits(&self) -> Vec<u32> {
+        let values = Light::irradiance(self).iter();
+        values.flat_map(|&value| bits(value)).collect()
+    }
+
+    fn at(&self, receivers: &[([f32; 3], [f32; 3])]) -> Result<Vec<At>, Error> {
+        let one = |sight: &mut Looking, &(position, normal): &([f32; 3], [f32; 3])| {
+            let receiver = Receiver::new::<HostRoot>(position, normal)?;
+            let bracket = self.at_with(&receiver, sight);
+            Ok(At {
                 value: bracket.middle().channels(),
                 is_exact: bracket.is_exact(),
-            }
+            })
         };
         let sight = || self.sight().clone();
         receivers.par_iter().map_init(sight, one).collect()
@@ -435,14 +462,25 @@ where
         grid: [u32; 2],
         row: u32,
         out: &mut [Channels],
+        bits: &mut [u32],
     ) -> Result<u32, Error> {
         let mut values = vec![L::Colour::DARK; out.len()];
         let row = self.resample_row::<HostRoot>(surface, grid, row, &mut values)?;
-        for (out, value) in out.iter_mut().zip(values) {
+        for (out, &value) in out.iter_mut().zip(&values) {
             *out = value.channels();
+        }
+        let words = values.into_iter().flat_map(self::bits);
+        for (out, word) in bits.iter_mut().zip(words) {
+            *out = word;
         }
         Ok(row.out_of_reach)
     }
+}
+
+/// The words of a value, one a channel, as the device has them.
+fn bits<C: ToChannels>(value: C) -> impl Iterator<Item = u32> {
+    let words = value.channels().map(f32::to_bits);
+    words.into_iter().take(C::CHANNELS)
 }
 
 /// The kernel's state for a scene, of the type that its tables ask for.
@@ -471,13 +509,24 @@ where
     }
 }
 
-/// Loads tables and solves them until `stop`.
+/// Loads tables that were baked for a rung and solves them until `stop`.
 ///
 /// # Errors
 /// Those of [`Scene::load`] and [`Light::new`].
-pub fn solve(tables: &Tables, rung: Rung, sight: Sight, stop: Stop) -> Result<Solution<'_>, Error> {
-    let scene = Scene::load(tables.bytes())?;
-    let mut light = with_rung!(rung, Kernel => dark::<Kernel>(scene, sight)?);
+pub fn solve(
+    tables: &Tables,
+    rung: impl Into<FormFactorRung>,
+    sight: Sight,
+    stop: Stop,
+) -> Result<Solution<'_>, Error> {
+    let mut light = match rung.into() {
+        FormFactorRung::Float(rung) => {
+            let scene = Scene::load(tables.bytes())?;
+            with_rung!(rung, Kernel => dark::<Kernel>(scene, sight)?)
+        }
+        FormFactorRung::Q24 => integers::dark::<Q24>(tables.bytes())?,
+        FormFactorRung::Q29 => integers::dark::<Q29>(tables.bytes())?,
+    };
     let solved = light.solve(stop);
     Ok(Solution { light, solved })
 }
@@ -487,6 +536,8 @@ pub fn solve(tables: &Tables, rung: Rung, sight: Sight, stop: Stop) -> Result<So
 pub struct Grid {
     /// Irradiance row by row, row 0 at v = 0.
     pub values: Vec<Channels>,
+    /// The words of the values, one a channel, as the device has them.
+    pub bits: Vec<u32>,
     /// Places that had no sample within the filter's radius.
     pub out_of_reach: u32,
 }
@@ -497,10 +548,10 @@ impl Solution<'_> {
         self.light.channels()
     }
 
-    /// The bits of values in the scene's channels, as the device has them.
-    pub fn bits(&self, values: &[Channels]) -> Vec<u32> {
-        let each = values.iter().flat_map(|value| &value[..self.channels()]);
-        each.map(|value| value.to_bits()).collect()
+    /// The words of every sample's irradiance, one a channel, as the device has
+    /// them.
+    pub fn irradiance_bits(&self) -> Vec<u32> {
+        self.light.irradiance_bits()
     }
 
     /// Irradiance of every sample, in the order of the tables.
@@ -518,11 +569,7 @@ impl Solution<'_> {
     /// # Errors
     /// [`Error::Receiver`] for a place or normal that is none.
     pub fn at(&self, receivers: &[([f32; 3], [f32; 3])]) -> Result<Vec<At>, Error> {
-        let receivers: Vec<Receiver<f32>> = receivers
-            .iter()
-            .map(|&(position, normal)| Receiver::new::<HostRoot>(position, normal))
-            .collect::<Result<_, _>>()?;
-        Ok(self.light.at(&receivers))
+        self.light.at(receivers)
     }
 
     /// Irradiance resampled at (u, v), metres in the frame of a surface; `None`
@@ -540,17 +587,24 @@ impl Solution<'_> {
     /// # Errors
     /// [`Error::Unknown`] where there is no such surface.
     pub fn resample(&self, surface: usize, resolution: u32) -> Result<Grid, Error> {
-        let mut values = vec![[0.0; 3]; (resolution * resolution) as usize];
+        let (cells, channels) = ((resolution * resolution) as usize, self.channels());
+        let (mut values, mut bits) = (vec![[0.0; 3]; cells], vec![0; cells * channels]);
+        let columns = resolution.max(1) as usize;
         let rows = values
-            .par_chunks_mut(resolution.max(1) as usize)
+            .par_chunks_mut(columns)
+            .zip(bits.par_chunks_mut(columns * channels))
             .enumerate();
         let out_of_reach = rows
-            .map(|(row, out)| self.light.row(surface, [resolution; 2], row as u32, out))
+            .map(|(row, (out, bits))| {
+                let grid = [resolution; 2];
+                self.light.row(surface, grid, row as u32, out, bits)
+            })
             .collect::<Result<Vec<u32>, Error>>()?
             .into_iter()
             .sum();
         Ok(Grid {
             values,
+            bits,
             out_of_reach,
         })
     }

@@ -24,7 +24,8 @@
 //! # Rooms
 //!
 //! Each imports only those above it: [`error`], [`number`], [`geometry`],
-//! [`clip`], [`form_factor`], [`visibility`], [`scene`], [`shoot`], [`resample`], [`budget`].
+//! [`clip`], [`form_factor`], [`visibility`], [`scene`], [`shoot`], [`resample`], [`budget`];
+//! with the feature `fixed` also `integers`, the whole way without floating point.
 //!
 //! # Example
 //!
@@ -53,6 +54,9 @@ pub mod clip;
 pub mod error;
 pub mod form_factor;
 pub mod geometry;
+#[cfg(feature = "fixed")]
+#[cfg_attr(docsrs, doc(cfg(feature = "fixed")))]
+pub mod integers;
 pub mod luminance;
 pub mod number;
 pub mod resample;

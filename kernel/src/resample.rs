@@ -21,7 +21,7 @@ use crate::visibility::Visibility;
 
 /// Doublings of the radius after which the search for a sample ends: 2⁴⁰
 /// spans every ratio of lengths that checked tables can hold.
-const DOUBLINGS: u32 = 40;
+pub(crate) const DOUBLINGS: u32 = 40;
 
 /// The filtered value at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -18,6 +18,11 @@
 //! shoot what arrived in the last generation (a Neumann sum, so that "light
 //! reflected at most N times" is exact).
 
+mod stop;
+
+pub(crate) use stop::{Shooting, until};
+pub use stop::{Solved, Stop};
+
 use crate::Error;
 use crate::error::What;
 use crate::form_factor::Arithmetic;
@@ -69,49 +74,6 @@ impl<L: Luminance> Shot<L> {
         shot: L::DARK,
         pending: L::DARK,
     };
-}
-
-/// When to stop.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Stop {
-    /// When the unshot power is below this fraction of the emitted power, or
-    /// after so many shots at the latest: a fixed budget needs the second
-    /// number.
-    Below {
-        /// Fraction of the emitted power.
-        fraction: f32,
-        /// Shots at the most.
-        shots: u32,
-    },
-    /// After so many shots.
-    Shots(u32),
-    /// When all light reflected at most so many times has arrived; 0 is direct
-    /// light only.
-    Reflections(u32),
-}
-
-impl Stop {
-    /// Below this fraction of the emitted power, within 4096 shots.
-    pub const fn below(fraction: f32) -> Self {
-        Self::Below {
-            fraction,
-            shots: 4096,
-        }
-    }
-}
-
-/// How a [`Light::solve`] ended.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Solved {
-    /// Shots taken.
-    pub shots: u32,
-    /// Form factors evaluated: one for each shot and each sample that is not on
-    /// the emitter's own surface.
-    pub form_factors: u32,
-    /// Unshot power as a fraction of the emitted power; 0 in a dark scene.
-    pub unshot: f32,
 }
 
 impl<'t, A, const SAMPLES: usize, const EMITTERS: usize, L, V> Light<'t, A, SAMPLES, EMITTERS, L, V>
@@ -280,31 +242,7 @@ where
     /// Cost: one form factor per shot and sample; at most as many shots as
     /// `stop` allows, `EMITTERS` for each reflection.
     pub fn solve(&mut self, stop: Stop) -> Solved {
-        let mut shots = self.direct();
-        match stop {
-            Stop::Reflections(times) => {
-                for _ in 0..times {
-                    let more = self.reflect();
-                    shots = shots.saturating_add(more);
-                    if more == 0 {
-                        break;
-                    }
-                }
-            }
-            Stop::Shots(limit) => {
-                while shots < limit && self.shoot().is_some() {
-                    shots = shots.saturating_add(1);
-                }
-            }
-            Stop::Below {
-                fraction,
-                shots: limit,
-            } => {
-                while shots < limit && self.unshot_fraction() > fraction && self.shoot().is_some() {
-                    shots = shots.saturating_add(1);
-                }
-            }
-        }
+        let shots = until(stop, self);
         Solved {
             shots,
             form_factors: self.form_factors,
@@ -446,5 +384,29 @@ where
         if let Some(state) = self.emitters.get_mut(index) {
             state.shot = state.shot.zip(radiosity, Colour::plus);
         }
+    }
+}
+
+impl<A, const SAMPLES: usize, const EMITTERS: usize, L, V> Shooting
+    for Light<'_, A, SAMPLES, EMITTERS, L, V>
+where
+    A: Arithmetic<f32>,
+    L: Luminance,
+    V: Visibility,
+{
+    fn direct(&mut self) -> u32 {
+        Light::direct(self)
+    }
+
+    fn reflect(&mut self) -> u32 {
+        Light::reflect(self)
+    }
+
+    fn shoot(&mut self) -> bool {
+        Light::shoot(self).is_some()
+    }
+
+    fn is_above(&self, fraction: f32) -> bool {
+        self.unshot_fraction() > fraction
     }
 }

@@ -16,6 +16,7 @@
 //!
 //! Without `ISOLUX_TABLES` the firmware builds, says what it lacks and exits 1.
 
+use isolux::integers;
 use isolux::scene::Scene;
 use isolux::scene::records::{Counts, Sight};
 use std::env;
@@ -24,14 +25,19 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rungs a firmware may be built for, and the kernel's type of each.
-const ARITHMETIC: [(&str, &str); 6] = [
+const ARITHMETIC: [(&str, &str); 8] = [
     ("libm", "isolux::form_factor::Libm<crate::root::Chosen>"),
     ("micromath", "isolux::form_factor::Micromath"),
     ("poly3", "isolux::form_factor::Poly3<crate::root::Chosen>"),
     ("poly5", "isolux::form_factor::Poly5<crate::root::Chosen>"),
     ("poly8", "isolux::form_factor::Poly8<crate::root::Chosen>"),
     ("best", "isolux::form_factor::Best<crate::root::Chosen>"),
+    ("q24", INTEGERS[0]),
+    ("q29", INTEGERS[1]),
 ];
+
+/// Those of them that take tables in integers.
+const INTEGERS: [&str; 2] = ["isolux::integers::Q24", "isolux::integers::Q29"];
 
 fn main() {
     let manifest = PathBuf::from(variable("CARGO_MANIFEST_DIR").expect("set by cargo"));
@@ -39,6 +45,7 @@ fn main() {
     let memory = manifest.join("../../memory.x");
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed={}", memory.display());
+    println!("cargo::rustc-check-cfg=cfg(integer_tables)");
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return;
     }
@@ -103,7 +110,7 @@ fn stop() -> Result<String, String> {
 }
 
 /// What the tables say they hold.
-fn contents(path: &str) -> Result<(Counts, Sight), String> {
+fn contents(path: &str, in_integers: bool) -> Result<(Counts, Sight), String> {
     let bytes = fs::read(path).map_err(|error| format!("reading {path}: {error}"))?;
     // The kernel reads tables where words may lie: at a multiple of four.
     let room = vec![0_u8; bytes.len() + 4];
@@ -111,7 +118,12 @@ fn contents(path: &str) -> Result<(Counts, Sight), String> {
     let mut room = room;
     let place = &mut room[start..start + bytes.len()];
     place.copy_from_slice(&bytes);
-    let scene = Scene::load(place).map_err(|error| format!("{path}: {error}"))?;
+    let in_words = |error| format!("{path}: {error}");
+    if in_integers {
+        let scene = integers::Scene::load(place).map_err(in_words)?;
+        return Ok((*scene.counts(), Sight::default()));
+    }
+    let scene = Scene::load(place).map_err(in_words)?;
     Ok((*scene.counts(), *scene.sight()))
 }
 
@@ -152,6 +164,22 @@ fn visibility(counts: &Counts, sight: &Sight) -> Result<[String; 2], String> {
     }
 }
 
+/// The lines of the job that light in floating point asks for besides.
+fn light(counts: &Counts, sight: &Sight) -> Result<[String; 9], String> {
+    let [visibility, looking] = visibility(counts, sight)?;
+    Ok([
+        "/// How radiosity varies over an emitter, and its channels.".to_owned(),
+        format!("pub(crate) type Luminance = {};", luminance(counts)),
+        "/// What the workspace of visibility holds.".to_owned(),
+        "pub(crate) const SIGHT: isolux::scene::records::Sight =".to_owned(),
+        format!("    isolux::scene::records::{sight:?};"),
+        "/// The rung of visibility.".to_owned(),
+        format!("pub(crate) type Visibility = isolux::visibility::{visibility};"),
+        "/// Its workspace, empty.".to_owned(),
+        format!("pub(crate) const LOOKING: Visibility = isolux::visibility::{looking};"),
+    ])
+}
+
 /// The Rust source of the job.
 fn job() -> Result<String, String> {
     let stop = stop()?;
@@ -168,6 +196,10 @@ fn job() -> Result<String, String> {
                 names.join(", ")
             )
         })?;
+    let in_integers = INTEGERS.contains(&arithmetic);
+    if in_integers {
+        println!("cargo::rustc-cfg=integer_tables");
+    }
     let none = Counts {
         channels: 1,
         coefficients: 1,
@@ -182,26 +214,22 @@ fn job() -> Result<String, String> {
                 ));
             }
             println!("cargo::rerun-if-changed={path}");
-            (format!("include_bytes!({path:?})"), contents(&path)?)
+            (
+                format!("include_bytes!({path:?})"),
+                contents(&path, in_integers)?,
+            )
         }
     };
-    let [visibility, looking] = visibility(&counts, &sight)?;
-    let mut source = String::new();
-    let lines = [
+    let mut lines = Vec::new();
+    if !in_integers {
+        lines.extend(light(&counts, &sight)?);
+    }
+    lines.extend([
         "/// Rows and columns of each resampled grid.".to_owned(),
         format!("pub(crate) const RESOLUTION: usize = {resolution};"),
         "/// What the tables hold.".to_owned(),
         "pub(crate) const COUNTS: isolux::scene::records::Counts =".to_owned(),
         format!("    isolux::scene::records::{counts:?};"),
-        "/// How radiosity varies over an emitter, and its channels.".to_owned(),
-        format!("pub(crate) type Luminance = {};", luminance(&counts)),
-        "/// What the workspace of visibility holds.".to_owned(),
-        "pub(crate) const SIGHT: isolux::scene::records::Sight =".to_owned(),
-        format!("    isolux::scene::records::{sight:?};"),
-        "/// The rung of visibility.".to_owned(),
-        format!("pub(crate) type Visibility = isolux::visibility::{visibility};"),
-        "/// Its workspace, empty.".to_owned(),
-        format!("pub(crate) const LOOKING: Visibility = isolux::visibility::{looking};"),
         "/// The rung of form-factor arithmetic.".to_owned(),
         format!("pub(crate) type Arithmetic = {arithmetic};"),
         "/// When to stop shooting.".to_owned(),
@@ -211,7 +239,8 @@ fn job() -> Result<String, String> {
         "#[unsafe(no_mangle)]".to_owned(),
         "pub(crate) static ISOLUX_TABLES: isolux::scene::Aligned<[u8; LENGTH]> =".to_owned(),
         format!("    isolux::scene::Aligned(*{tables});"),
-    ];
+    ]);
+    let mut source = String::new();
     for line in lines {
         writeln!(source, "{line}").expect("a String takes any text");
     }

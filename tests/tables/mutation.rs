@@ -16,10 +16,10 @@ use isolux_host::bake;
 use std::mem::size_of;
 
 /// Marsaglia's xorshift, so that a case is its number alone.
-struct Dice(u64);
+pub(crate) struct Dice(u64);
 
 impl Dice {
-    fn new(seed: u64, case: u64) -> Self {
+    pub(crate) fn new(seed: u64, case: u64) -> Self {
         let mut dice = Self((seed ^ case.wrapping_mul(0x9e37_79b9_7f4a_7c15)) | 1);
         for _ in 0..8 {
             dice.next();
@@ -34,7 +34,7 @@ impl Dice {
         self.0
     }
 
-    fn below(&mut self, end: usize) -> usize {
+    pub(crate) fn below(&mut self, end: usize) -> usize {
         ((u128::from(self.next()) * end as u128) >> 64) as usize
     }
 }
@@ -63,7 +63,7 @@ const NUMBERS: [f32; 20] = [
     f32::NAN,
 ];
 
-fn mutated(sound: &[u8], dice: &mut Dice) -> Vec<u8> {
+pub(crate) fn mutated(sound: &[u8], dice: &mut Dice) -> Vec<u8> {
     let mut bytes = sound.to_vec();
     for _ in 0..=dice.below(4) {
         if bytes.is_empty() {

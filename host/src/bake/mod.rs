@@ -3,6 +3,7 @@
 //! The format is specified with [`isolux::scene`]. Baking the same plan twice
 //! gives the same bytes.
 
+pub mod integers;
 mod survey;
 
 use crate::occlusion::Occlusion;

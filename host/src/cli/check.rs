@@ -102,7 +102,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     // What this build lacks or a budget forbids is an answer here, no failure.
     match pipeline::plan(scene, &arguments.rungs, &[]) {
         Ok(planned) => {
-            let (ram, sight) = pipeline::ram(&planned.tables, planned.sight);
+            let (ram, sight) = planned.ram();
             checked.capacities = Some(Capacities::of(&planned.tables.counts, sight));
             checked.ram_bytes = Some(ram);
             checked.flash_bytes = Some(planned.tables.bytes().len());

@@ -5,14 +5,15 @@ use super::failure::Failure;
 use crate::scene::requires::Requirements;
 use crate::scene::rungs::LADDERS;
 use crate::scene::{Rungs, Scene};
-use crate::solve::{FormFactorRung, Rung, Sight};
+use crate::solve::{FormFactorRung, Sight};
 use clap::Args;
 
 /// The flags named after the ladders.
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Accuracy ladders")]
 pub(super) struct RungArguments {
-    /// Number type and edge term: libm, micromath, poly3, poly5, poly8, best.
+    /// Number type and edge term: libm, micromath, poly3, poly5, poly8, best;
+    /// without floating point q24, q29: grey scenes in which nothing hides anything.
     #[arg(long, value_name = "RUNG")]
     pub(super) arithmetic: Option<String>,
     /// How occlusion is found: exact (the default where something can occlude),
@@ -38,25 +39,22 @@ pub(super) struct RungArguments {
 const BUILT: [(&str, &[&str]); 6] = [
     (
         "arithmetic",
-        &["libm", "micromath", "poly3", "poly5", "poly8", "best"],
+        &[
+            "libm",
+            "micromath",
+            "poly3",
+            "poly5",
+            "poly8",
+            "best",
+            "q24",
+            "q29",
+        ],
     ),
     ("visibility", &["none", "vertex-rays", "exact"]),
     ("emitters", &["isolux", "linear"]),
     ("transfer", &["exact"]),
     ("placement", &["isolux"]),
     ("reconstruction", &["cone"]),
-];
-
-/// The arithmetic rungs of a form factor by itself.
-const ALONE: &[&str] = &[
-    "libm",
-    "micromath",
-    "poly3",
-    "poly5",
-    "poly8",
-    "best",
-    "q24",
-    "q29",
 ];
 
 /// What shoots reflected light.
@@ -81,7 +79,7 @@ impl Emitters {
 /// The rungs that a scene is solved with.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Choices {
-    pub(super) arithmetic: Rung,
+    pub(super) arithmetic: FormFactorRung,
     pub(super) sight: Sight,
     pub(super) emitters: Emitters,
 }
@@ -119,8 +117,8 @@ pub(super) fn choices(
         }
     }
     let is_room = needs.visibility.is_some() || needs.reflectors.len() > OPEN;
-    Ok(Choices {
-        arithmetic: named(rungs.arithmetic.as_deref())?,
+    let choices = Choices {
+        arithmetic: arithmetic(rungs.arithmetic.as_deref())?,
         sight: match rungs.visibility.as_deref() {
             Some("vertex-rays") => Sight::VertexRays,
             Some("none") => Sight::None,
@@ -134,23 +132,44 @@ pub(super) fn choices(
             None if is_room => Emitters::Linear,
             None => Emitters::Isolux,
         },
-    })
-}
-
-/// The arithmetic rung of a flag alone, where there is no scene.
-pub(super) fn arithmetic_flag(flag: Option<&str>) -> Result<FormFactorRung, Failure> {
-    let Some(name) = flag else {
-        return Ok(FormFactorRung::Float(Rung::default()));
     };
-    has(BUILT[0].0, ALONE, name)?;
-    FormFactorRung::named(name).ok_or_else(|| lacking(BUILT[0].0, ALONE, name))
+    integers_suffice(&choices, needs)?;
+    Ok(choices)
 }
 
-fn named(name: Option<&str>) -> Result<Rung, Failure> {
+/// Refuses an integer rung where light is what integers do not compute.
+fn integers_suffice(choices: &Choices, needs: &Requirements) -> Result<(), Failure> {
+    if !choices.arithmetic.is_integer() {
+        return Ok(());
+    }
+    let (why, remedy) = if needs.channels > 1 {
+        ("is in colour", "leave out --arithmetic")
+    } else if choices.sight != Sight::None {
+        let remedy = "leave out --arithmetic, or let light pass through everything: --visibility none --emitters isolux";
+        ("has occluders", remedy)
+    } else if choices.emitters == Emitters::Linear {
+        let remedy = "leave out --arithmetic, or take --emitters isolux";
+        ("has linear radiosities", remedy)
+    } else {
+        return Ok(());
+    };
+    Err(Failure::limit(
+        format!(
+            "the rung `{}` of arithmetic serves grey scenes with constant radiosities in which nothing hides anything; this one {why}",
+            choices.arithmetic.name()
+        ),
+        remedy,
+    ))
+}
+
+/// The arithmetic rung of a name, or the default.
+pub(super) fn arithmetic(name: Option<&str>) -> Result<FormFactorRung, Failure> {
     let Some(name) = name else {
-        return Ok(Rung::default());
+        return Ok(FormFactorRung::default());
     };
-    Rung::named(name).ok_or_else(|| lacking("arithmetic", BUILT[0].1, name))
+    let (ladder, built) = BUILT[0];
+    has(ladder, built, name)?;
+    FormFactorRung::named(name).ok_or_else(|| lacking(ladder, built, name))
 }
 
 fn has(ladder: &str, built: &[&str], name: &str) -> Result<(), Failure> {
@@ -169,15 +188,6 @@ fn has(ladder: &str, built: &[&str], name: &str) -> Result<(), Failure> {
 }
 
 fn lacking(ladder: &str, built: &[&str], name: &str) -> Failure {
-    if ladder == BUILT[0].0 && ALONE.contains(&name) {
-        return Failure::limit(
-            format!("this build lacks the rung `{name}` of {ladder} for scenes"),
-            format!(
-                "for scenes it has {}; `isolux form-factor` has `{name}`",
-                built.join(", ")
-            ),
-        );
-    }
     Failure::limit(
         format!("this build lacks the rung `{name}` of {ladder}"),
         format!("it has {}", built.join(", ")),

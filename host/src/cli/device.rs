@@ -48,6 +48,8 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     };
     let options = Options {
         negative_control: arguments.negative_control,
+        // Integers have no use for the FPU's root.
+        software_root: !planned.rung.is_integer(),
         ..Options::default()
     };
     let progress = Progress::start("building and emulating", 0);
@@ -66,12 +68,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
 
 /// The bits of every sample and of every resampled grid, as the host has them.
 fn expected(planned: &Planned, solution: &Solution<'_>) -> Result<Vec<u32>, Failure> {
-    let mut bits = solution.bits(&solution.irradiance());
+    let mut bits = solution.irradiance_bits();
     for (index, surface) in planned.plan.surfaces.iter().enumerate() {
         if !surface.samples.is_empty() {
             let grid = solution.resample(index, GRID as u32);
             let grid = grid.map_err(|error| Failure::limit(error, ""))?;
-            bits.extend(solution.bits(&grid.values));
+            bits.extend(grid.bits);
         }
     }
     Ok(bits)

@@ -58,7 +58,7 @@ enum Kernel {
 }
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
-    let rung = choice::arithmetic_flag(arguments.arithmetic.as_deref())?;
+    let rung = choice::arithmetic(arguments.arithmetic.as_deref())?;
     let mut bytes = Vec::new();
     let whole = |error: std::io::Error| Diagnostic::of_file("stdin", error.to_string(), "");
     std::io::stdin().read_to_end(&mut bytes).map_err(whole)?;

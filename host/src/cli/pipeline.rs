@@ -10,7 +10,7 @@ use crate::report::Progress;
 use crate::scene::diagnostic::Diagnostic;
 use crate::scene::requires::requirements;
 use crate::scene::{Scene, file, shipped};
-use crate::solve::{self, Rung, Sight, Solution};
+use crate::solve::{self, FormFactorRung, Sight, Solution};
 use glam::DVec3;
 use isolux::scene::records;
 use isolux::shoot::Stop;
@@ -40,7 +40,7 @@ pub(super) fn read(path: &Path) -> Result<Scene, Failure> {
 /// A scene, planned and baked.
 pub(super) struct Planned {
     pub(super) scene: Scene,
-    pub(super) rung: Rung,
+    pub(super) rung: FormFactorRung,
     pub(super) sight: Sight,
     pub(super) emitters: Emitters,
     pub(super) plan: Plan,
@@ -88,17 +88,22 @@ pub(super) fn plan(
                 .map_err(|error| Failure::limit(error, "split the scene"))?,
         ),
     };
-    let tables = bake::bake(&scene, &plan, occlusion)
-        .map_err(|error| Failure::limit(error, "lower [budget] samples or split the scene"))?;
-    affordable(&scene, &tables, choices.sight)?;
-    Ok(Planned {
+    let remedy = "lower [budget] samples or split the scene";
+    let tables = if choices.arithmetic.is_integer() {
+        bake::integers::bake(&scene, &plan).map_err(|error| Failure::limit(error, remedy))?
+    } else {
+        bake::bake(&scene, &plan, occlusion).map_err(|error| Failure::limit(error, remedy))?
+    };
+    let planned = Planned {
         scene,
         rung: choices.arithmetic,
         sight: choices.sight,
         emitters: choices.emitters,
         plan,
         tables,
-    })
+    };
+    planned.affordable()?;
+    Ok(planned)
 }
 
 /// Where receivers may be: on the surfaces, at the named points, and at
@@ -109,43 +114,54 @@ fn reach(scene: &Scene, places: &[DVec3]) -> Vec<DVec3> {
     surfaces.chain(points).chain(places).copied().collect()
 }
 
-/// Bytes of RAM that the kernel's state takes on the device: the light, and the
-/// workspace of exact visibility with what it must hold.
-pub(super) fn ram(tables: &Tables, sight: Sight) -> (usize, records::Sight) {
-    let workspace = match (sight, isolux::scene::Scene::load(tables.bytes())) {
-        (Sight::Exact, Ok(scene)) => *scene.sight(),
-        // Tables that do not load are refused when they are solved.
-        _ => records::Sight::default(),
-    };
-    let light = isolux::budget::light_bytes(&tables.counts);
-    (light + isolux::budget::sight_bytes(&workspace), workspace)
-}
-
-/// Refuses what a scene's own budget cannot hold: the kernel's state in RAM and
-/// the tables in flash. Code and stack are known once a firmware is linked.
-fn affordable(scene: &Scene, tables: &Tables, sight: Sight) -> Result<(), Failure> {
-    let (ram, _) = ram(tables, sight);
-    let ram = ram as u64;
-    let flash = tables.bytes().len() as u64;
-    let limits = [
-        ("ram", "RAM", scene.budget.ram, ram),
-        ("flash", "flash", scene.budget.flash, flash),
-    ];
-    for (key, name, limit, needed) in limits {
-        if let Some(limit) = limit.filter(|&limit| needed > limit) {
-            return Err(Failure::limit(
-                format!(
-                    "scene `{}` needs {needed} bytes of {name} for {} samples and {} emitters, its budget is {limit}",
-                    scene.name, tables.counts.samples, tables.counts.emitters
-                ),
-                format!("raise [budget] {key} or lower [budget] samples"),
-            ));
-        }
-    }
-    Ok(())
-}
-
 impl Planned {
+    /// Bytes of RAM that the kernel's state takes on the device: the light, and
+    /// the workspace of exact visibility with what it must hold.
+    pub(super) fn ram(&self) -> (usize, records::Sight) {
+        let (counts, bytes) = (&self.tables.counts, self.tables.bytes());
+        if self.rung.is_integer() {
+            return (
+                isolux::integers::light_bytes(counts),
+                records::Sight::default(),
+            );
+        }
+        let workspace = match (self.sight, isolux::scene::Scene::load(bytes)) {
+            (Sight::Exact, Ok(scene)) => *scene.sight(),
+            // Tables that do not load are refused when they are solved.
+            _ => records::Sight::default(),
+        };
+        let light = isolux::budget::light_bytes(counts);
+        (light + isolux::budget::sight_bytes(&workspace), workspace)
+    }
+
+    /// Refuses what a scene's own budget cannot hold: the kernel's state in RAM
+    /// and the tables in flash. Code and stack are known once a firmware is
+    /// linked.
+    fn affordable(&self) -> Result<(), Failure> {
+        let (scene, tables) = (&self.scene, &self.tables);
+        let limits = [
+            ("ram", "RAM", scene.budget.ram, self.ram().0 as u64),
+            (
+                "flash",
+                "flash",
+                scene.budget.flash,
+                tables.bytes().len() as u64,
+            ),
+        ];
+        for (key, name, limit, needed) in limits {
+            if let Some(limit) = limit.filter(|&limit| needed > limit) {
+                return Err(Failure::limit(
+                    format!(
+                        "scene `{}` needs {needed} bytes of {name} for {} samples and {} emitters, its budget is {limit}",
+                        scene.name, tables.counts.samples, tables.counts.emitters
+                    ),
+                    format!("raise [budget] {key} or lower [budget] samples"),
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// Solves it on the host, with the kernel.
     pub(super) fn solve(&self, bounces: Option<u32>) -> Result<Solution<'_>, Failure> {
         solve::solve(&self.tables, self.rung, self.sight, stop(bounces))

@@ -7,6 +7,7 @@ use super::render::make;
 use crate::picture::{TradeMark, TradePanel, trade_off};
 use crate::reference::Reflections;
 use crate::report::{Progress, write_file};
+use crate::solve::FormFactorRung;
 use crate::trade::scene::{InScene, Judged};
 use crate::trade::{self, FormFactors, table};
 use clap::Args;
@@ -53,12 +54,11 @@ type OfScene = (String, Vec<InScene>);
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     // A scene that cannot be and a directory that cannot be made are found out
     // before the work is done.
+    // All rungs in floating point share one bake, whatever the scene asks for.
+    let mut every_rung = RungArguments::default();
+    every_rung.arithmetic = Some(FormFactorRung::default().name().to_owned());
     let planned = match &arguments.scene {
-        Some(path) => Some(pipeline::plan(
-            pipeline::read(path)?,
-            &RungArguments::default(),
-            &[],
-        )?),
+        Some(path) => Some(pipeline::plan(pipeline::read(path)?, &every_rung, &[])?),
         None => None,
     };
     make(&arguments.output)?;

@@ -18,8 +18,8 @@ const PROGRAM: &str = "rung";
 pub enum Extent {
     /// The form factor with the emitter's plane and reach known.
     FormFactor,
-    /// All that a firmware calls: loading, direct light, shooting, resampling.
-    /// With an integer rung the form factor, too.
+    /// All that a firmware calls: loading, direct light, shooting, resampling;
+    /// with an integer rung also the form factor and the light at a place.
     WholeKernel,
 }
 

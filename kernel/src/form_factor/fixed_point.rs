@@ -89,6 +89,15 @@ impl Scale {
         (self.largest as i32).wrapping_sub(126 + BITS as i32)
     }
 
+    /// The scale on which 1 is worth 2^`exponent` metres, at least 2^−183: what
+    /// tables say of theirs.
+    pub fn with_exponent(exponent: i32) -> Self {
+        let largest = exponent.saturating_add(126 + BITS as i32);
+        Self {
+            largest: if largest > 1 { largest as u32 } else { 1 },
+        }
+    }
+
     /// A place in metres as integers of this scale.
     ///
     /// Exact for coordinates of at least 2^−35 of the largest the scale was
@@ -148,6 +157,24 @@ impl<F: Format> Receiver<F> {
             normal: unit(normal),
         })
     }
+
+    /// The same normal at another place.
+    #[inline(always)]
+    pub fn moved_to(self, position: [i64; 3]) -> Self {
+        Self { position, ..self }
+    }
+
+    /// Its place, in its scale.
+    #[inline(always)]
+    pub fn position(&self) -> [i64; 3] {
+        self.position
+    }
+
+    /// Its unit normal.
+    #[inline(always)]
+    pub fn normal(&self) -> Vector<F> {
+        self.normal
+    }
 }
 
 /// The oriented plane of a polygon, in integers; its front is where the
@@ -161,6 +188,15 @@ pub struct Plane {
 }
 
 impl Plane {
+    /// The plane through a place with a normal of any length.
+    pub fn new(point: [i32; 3], normal: [i32; 3]) -> Self {
+        Self {
+            normal: normal.map(i128::from),
+            coarse: coarse(normal.map(i64::from)),
+            point: point.map(i64::from),
+        }
+    }
+
     /// The plane of a polygon by Newell's method about its first vertex,
     /// exactly. A polygon of fewer than 3 vertices has no front.
     pub fn of_polygon<C: Coordinate>(vertices: &[[C; 3]]) -> Self {

@@ -1,43 +1,59 @@
 //! Everything that is demanded of tables, once.
 
-use super::records::{Counts, Header, Loop, Surface, checksum};
-use super::{MAGIC, Scene, VERSION, required_bytes};
+use super::Scene;
+use super::records::{Counts, Loop, Surface, checksum};
 use crate::Error;
 use crate::error::What;
 use crate::visibility::records::Occluders;
-use core::mem::{align_of, offset_of};
-use zerocopy::FromBytes;
+use core::mem::align_of;
+use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-/// The header and what follows it: magic, version, alignment, length, checksum.
-pub(super) fn header(tables: &[u8]) -> Result<(&Header, &[u8]), Error> {
-    if tables.get(..MAGIC.len()) != Some(&MAGIC[..]) {
+/// How the tables of every format begin.
+#[derive(FromBytes, Immutable, KnownLayout)]
+#[repr(C)]
+struct Beginning {
+    magic: [u8; 8],
+    version: u32,
+    bytes: u32,
+    checksum: u32,
+}
+
+/// The header of a format and what follows it: magic, version, alignment,
+/// length, checksum.
+pub(crate) fn header<'t, H: FromBytes + Immutable + KnownLayout>(
+    tables: &'t [u8],
+    magic: &[u8; 8],
+    version: u32,
+    required: impl FnOnce(&H) -> Option<u32>,
+) -> Result<(&'t H, &'t [u8]), Error> {
+    if tables.get(..magic.len()) != Some(&magic[..]) {
         return Err(Error::NotTables);
     }
-    if !tables.as_ptr().addr().is_multiple_of(align_of::<Header>()) {
+    if !tables.as_ptr().addr().is_multiple_of(align_of::<H>()) {
         return Err(Error::Misaligned);
     }
     let have = u32::try_from(tables.len()).unwrap_or(u32::MAX);
     let length = |needed| Error::Length { needed, have };
-    let (header, rest) =
-        Header::ref_from_prefix(tables).map_err(|_| length(size_of::<Header>() as u32))?;
-    if header.version != VERSION {
+    let short = || length(size_of::<H>() as u32);
+    let (beginning, behind) = Beginning::ref_from_prefix(tables).map_err(|_| short())?;
+    let (header, rest) = H::ref_from_prefix(tables).map_err(|_| short())?;
+    if beginning.version != version {
         return Err(Error::Version {
-            found: header.version,
-            supported: VERSION,
+            found: beginning.version,
+            supported: version,
         });
     }
-    if header.bytes as usize != tables.len() {
-        return Err(length(header.bytes));
+    if beginning.bytes as usize != tables.len() {
+        return Err(length(beginning.bytes));
     }
-    let needed = required_bytes(&header.counts);
-    if needed != Some(header.bytes) {
+    let needed = required(header);
+    if needed != Some(beginning.bytes) {
         return Err(length(needed.unwrap_or(u32::MAX)));
     }
-    let behind = offset_of!(Header, checksum) + size_of::<u32>();
-    let computed = checksum(tables.get(behind..).unwrap_or(&[]));
-    if computed != header.checksum {
+    let computed = checksum(behind);
+    if computed != beginning.checksum {
         return Err(Error::Checksum {
-            stored: header.checksum,
+            stored: beginning.checksum,
             computed,
         });
     }
@@ -178,7 +194,7 @@ fn occluders(scene: &Scene<'_>) -> Result<(), Error> {
 }
 
 /// Every record of a section, its numbers.
-fn all<T>(what: What, records: &[T], sound: impl Fn(&T) -> bool) -> Result<(), Error> {
+pub(crate) fn all<T>(what: What, records: &[T], sound: impl Fn(&T) -> bool) -> Result<(), Error> {
     for (index, record) in (0..).zip(records) {
         numbers(what, index, sound(record))?;
     }
@@ -234,11 +250,11 @@ fn non_negative(x: f32) -> bool {
     x >= 0.0 && x.is_finite()
 }
 
-fn inside(first: u32, count: u32, all: u32) -> bool {
+pub(crate) fn inside(first: u32, count: u32, all: u32) -> bool {
     first.checked_add(count).is_some_and(|end| end <= all)
 }
 
-fn ranges(what: What, record: u32, sound: bool) -> Result<(), Error> {
+pub(crate) fn ranges(what: What, record: u32, sound: bool) -> Result<(), Error> {
     if sound {
         Ok(())
     } else {
@@ -246,7 +262,7 @@ fn ranges(what: What, record: u32, sound: bool) -> Result<(), Error> {
     }
 }
 
-fn numbers(what: What, record: u32, sound: bool) -> Result<(), Error> {
+pub(crate) fn numbers(what: What, record: u32, sound: bool) -> Result<(), Error> {
     if sound {
         Ok(())
     } else {

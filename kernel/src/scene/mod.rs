@@ -37,7 +37,7 @@
 //! occludes; loops are then convex. Samples are ordered by surface, and on a
 //! surface by what they receive.
 
-mod check;
+pub(crate) mod check;
 mod received;
 pub mod records;
 
@@ -89,7 +89,7 @@ pub struct Scene<'t> {
 }
 
 /// Splits `count` records off the front of `bytes`.
-fn section<T: FromBytes + zerocopy::KnownLayout + zerocopy::Immutable>(
+pub(crate) fn section<T: FromBytes + zerocopy::KnownLayout + zerocopy::Immutable>(
     bytes: &[u8],
     count: u32,
 ) -> Result<(&[T], &[u8]), Error> {
@@ -131,7 +131,9 @@ impl<'t> Scene<'t> {
     /// # Errors
     /// Every variant of [`Error`] that speaks of tables; see there.
     pub fn load(tables: &'t [u8]) -> Result<Self, Error> {
-        let (header, rest) = check::header(tables)?;
+        let (header, rest) = check::header(tables, &MAGIC, VERSION, |header: &Header| {
+            required_bytes(&header.counts)
+        })?;
         let counts = &header.counts;
         let (surfaces, rest) = section::<Surface>(rest, counts.surfaces)?;
         let (reflectances, rest) =
@@ -344,7 +346,7 @@ const PARALLEL: f32 = 0.999_99;
 /// A range that [`check::records`] has found to be inside; empty otherwise, so
 /// that no panic can be reached.
 #[inline(always)]
-fn slice<T>(all: &[T], first: u32, count: u32) -> &[T] {
+pub(crate) fn slice<T>(all: &[T], first: u32, count: u32) -> &[T] {
     all.get(first as usize..)
         .and_then(|rest| rest.get(..count as usize))
         .unwrap_or(&[])

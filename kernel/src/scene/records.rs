@@ -48,25 +48,7 @@ impl Header {
         version: super::VERSION,
         bytes: 0,
         checksum: 0,
-        counts: Counts {
-            channels: 0,
-            coefficients: 0,
-            surfaces: 0,
-            luminaires: 0,
-            emitters: 0,
-            shapes: 0,
-            loops: 0,
-            vertices: 0,
-            corners: 0,
-            occluders: 0,
-            faces: 0,
-            edges: 0,
-            places: 0,
-            blockers: 0,
-            samples: 0,
-            members: 0,
-            weights: 0,
-        },
+        counts: Counts::NONE,
         sight: Sight {
             vertices: 0,
             pieces: 0,
@@ -119,6 +101,29 @@ pub struct Counts {
     /// Weights: as many as coefficients for each member where there are three,
     /// else none.
     pub weights: u32,
+}
+
+impl Counts {
+    /// Of nothing.
+    pub(crate) const NONE: Self = Self {
+        channels: 0,
+        coefficients: 0,
+        surfaces: 0,
+        luminaires: 0,
+        emitters: 0,
+        shapes: 0,
+        loops: 0,
+        vertices: 0,
+        corners: 0,
+        occluders: 0,
+        faces: 0,
+        edges: 0,
+        places: 0,
+        blockers: 0,
+        samples: 0,
+        members: 0,
+        weights: 0,
+    };
 }
 
 /// A surface: its frame, its reflectance, its samples.

@@ -15,8 +15,12 @@ mod ending;
 #[cfg(target_os = "none")]
 mod job;
 #[cfg(target_os = "none")]
-mod meter;
+#[cfg_attr(integer_tables, path = "integers.rs")]
+#[cfg_attr(not(integer_tables), path = "floats.rs")]
+mod kernel;
 #[cfg(target_os = "none")]
+mod meter;
+#[cfg(all(target_os = "none", not(integer_tables)))]
 mod root;
 #[cfg(target_os = "none")]
 mod target;

@@ -33,6 +33,7 @@ mod entries {
         self, Baked, Best, Edge, Libm, Micromath, Outline, Poly3, Poly5, Poly8, of_baked_loops,
     };
     use isolux::geometry::{Plane, Receiver};
+    use isolux::integers;
     use isolux::luminance::Constant;
     use isolux::number::{self, Root, SoftRoot};
     use isolux::resample::{self, Filtered, Row};
@@ -59,6 +60,8 @@ mod entries {
 
     /// Capacities of the proof; no code depends on their values.
     type Light<'t, A> = shoot::Light<'t, A, 64, 16>;
+    type FixedLight<'t> = integers::Light<'t, Q29, 64, 16>;
+    type ShortLight<'t> = integers::Light<'t, Q24, 64, 16>;
     type BestLight<'t> = Light<'t, Best<Chosen>>;
     type LibmLight<'t> = Light<'t, Libm<Chosen>>;
 
@@ -238,6 +241,64 @@ mod entries {
         }
         fn isolux_entry_cone(places: &[[f32; 2]], values: &[f32], place: [f32; 2], radius: f32) -> Option<Filtered<f32>> {
             resample::cone::<Chosen, f32>(places, values, place, radius)
+        }
+
+        fn isolux_entry_integers_load(tables: &'static [u8]) -> Result<integers::Scene<'static>, Error> {
+            integers::Scene::load(tables)
+        }
+        fn isolux_entry_integers_required_bytes(counts: &Counts) -> Option<u32> {
+            integers::required_bytes(counts)
+        }
+        fn isolux_entry_integers_place(surface: &integers::Surface, place: [i32; 2]) -> [i64; 3] {
+            surface.place(place)
+        }
+        fn isolux_entry_integers_receiver(scene: &integers::Scene<'static>, position: [f32; 3], normal: [f32; 3]) -> Result<fixed_point::Receiver<Q29>, Error> {
+            scene.receiver(position, normal)
+        }
+        fn isolux_entry_integers_receiver_at(scene: &integers::Scene<'static>, position: [i64; 3], normal: [i64; 3]) -> Result<fixed_point::Receiver<Q29>, Error> {
+            scene.receiver_at(position, normal)
+        }
+        fn isolux_entry_integers_form_factor(scene: &integers::Scene<'static>, receiver: &fixed_point::Receiver<Q29>, emitter: &integers::Emitter) -> Q29 {
+            scene.form_factor(receiver, emitter)
+        }
+        fn isolux_entry_integers_new(scene: integers::Scene<'static>) -> Result<FixedLight<'static>, Error> {
+            FixedLight::new(scene)
+        }
+        fn isolux_entry_integers_darken(light: &mut FixedLight<'static>) -> () {
+            light.darken();
+        }
+        fn isolux_entry_integers_direct(light: &mut FixedLight<'static>) -> u32 {
+            light.direct()
+        }
+        fn isolux_entry_integers_reflect(light: &mut FixedLight<'static>) -> u32 {
+            light.reflect()
+        }
+        fn isolux_entry_integers_shoot(light: &mut FixedLight<'static>) -> Option<usize> {
+            light.shoot()
+        }
+        fn isolux_entry_integers_solve(light: &mut FixedLight<'static>, stop: Stop) -> Solved {
+            light.solve(stop)
+        }
+        fn isolux_entry_integers_solve_q24(light: &mut ShortLight<'static>, stop: Stop) -> Solved {
+            light.solve(stop)
+        }
+        fn isolux_entry_integers_unshot_fraction(light: &FixedLight<'static>) -> f32 {
+            light.unshot_fraction()
+        }
+        fn isolux_entry_integers_radiosity(light: &FixedLight<'static>, emitter: usize) -> u32 {
+            light.radiosity(emitter)
+        }
+        fn isolux_entry_integers_at(light: &FixedLight<'static>, receiver: &fixed_point::Receiver<Q29>) -> u64 {
+            light.at(receiver)
+        }
+        fn isolux_entry_integers_resample_row(light: &FixedLight<'static>, surface: usize, grid: [u32; 2], row: u32, out: &mut [u32]) -> Result<Row, Error> {
+            light.resample_row(surface, grid, row, out)
+        }
+        fn isolux_entry_integers_resample_at(light: &FixedLight<'static>, surface: usize, place: [i32; 2]) -> Result<Option<Filtered<u32>>, Error> {
+            light.resample_at(surface, place)
+        }
+        fn isolux_entry_integers_cone(places: &[[i32; 2]], values: &[u32], place: [i32; 2], radius: u32) -> Option<Filtered<u32>> {
+            integers::cone(places, values, place, radius)
         }
 
         fn isolux_entry_visibility_gather(exact: &mut Workspace, receiver: &Receiver<f32>, target: &Target<'static>, occluders: &Occluders<'static>, blockers: &[Blocker]) -> Gathered {

@@ -140,8 +140,45 @@ mod target {
                     of_loops(receiver, plane, core::iter::once(outline))
                 }
 
+                #[cfg(feature = "whole-kernel")]
+                type State = isolux::integers::Light<'static, $format, 64, 16>;
+
+                #[cfg(feature = "whole-kernel")]
+                fn load(tables: &'static [u8]) -> Result<State, Error> {
+                    State::new(isolux::integers::Scene::load(tables)?)
+                }
+
+                #[cfg(feature = "whole-kernel")]
+                fn solve(light: &mut State, stop: Stop) -> Solved {
+                    light.solve(stop)
+                }
+
+                #[cfg(feature = "whole-kernel")]
+                fn resample(
+                    light: &State,
+                    surface: usize,
+                    grid: [u32; 2],
+                    row: u32,
+                    out: &mut [u32],
+                ) -> Result<Row, Error> {
+                    light.resample_row(surface, grid, row, out)
+                }
+
+                #[cfg(feature = "whole-kernel")]
+                fn at(light: &State, position: [f32; 3], normal: [f32; 3]) -> Result<u64, Error> {
+                    let receiver = light.scene().receiver(position, normal)?;
+                    Ok(light.at(&receiver))
+                }
+
                 pub(super) fn keep() {
                     black_box(form_factor as fn(_, _, &[[i64; 3]]) -> _);
+                    #[cfg(feature = "whole-kernel")]
+                    {
+                        black_box(load as fn(_) -> _);
+                        black_box(solve as fn(&mut _, _) -> _);
+                        black_box(resample as fn(_, _, _, _, &mut _) -> _);
+                        black_box(at as fn(&_, _, _) -> _);
+                    }
                 }
             }
         };

@@ -1,47 +1,14 @@
 //! The run itself: load, light, resample, log.
 
-use core::mem::size_of;
-
 use cortex_m::singleton;
 use isolux::Error;
-use isolux::budget;
-use isolux::luminance::{Colour as _, Luminance};
-use isolux::scene::Scene;
 use isolux::shoot::{Solved, Stop};
 use semihosting::process;
 
 use crate::clock::Clock;
-use crate::job::{self, COUNTS, ISOLUX_TABLES, RESOLUTION};
+use crate::job::{self, ISOLUX_TABLES, RESOLUTION};
+use crate::kernel::{self, DARK, EMPTY, Light, Scene, Value, WORDS};
 use crate::meter::{Cost, Meter};
-use crate::root::Chosen;
-
-/// Room for samples and for emitters.
-const SAMPLES: usize = COUNTS.samples as usize;
-const EMITTERS: usize = COUNTS.emitters as usize;
-
-/// The kernel's state for this scene.
-type Light = isolux::shoot::Light<
-    'static,
-    job::Arithmetic,
-    SAMPLES,
-    EMITTERS,
-    job::Luminance,
-    job::Visibility,
->;
-
-/// What light has in every channel.
-type Colour = <job::Luminance as Luminance>::Colour;
-
-// What the budget sheet promises is what the state takes.
-const _: () = assert!(
-    size_of::<Light>() == budget::light_bytes(&COUNTS) + size_of::<job::Visibility>(),
-    "budget::light_bytes is not the size of Light on this target"
-);
-const _: () = assert!(
-    size_of::<job::Visibility>() == 0
-        || size_of::<job::Visibility>() == budget::sight_bytes(&job::SIGHT),
-    "budget::sight_bytes is not the size of the workspace on this target"
-);
 
 /// Rounding mode, flush to zero and default NaN in FPSCR: all must be 0, or the
 /// bits are not IEEE 754's.
@@ -79,10 +46,10 @@ fn isolux_step_resample(
     light: &Light,
     surface: usize,
     row: u32,
-    out: &mut [Colour; RESOLUTION],
+    out: &mut [Value; RESOLUTION],
 ) -> Result<isolux::resample::Row, Error> {
     let grid = [RESOLUTION as u32; 2];
-    light.resample_row::<Chosen>(surface, grid, row, out)
+    kernel::resample_row(light, surface, grid, row, out)
 }
 
 #[cortex_m_rt::entry]
@@ -125,10 +92,10 @@ fn run() -> Result<(), Failure> {
     let Some(peripherals) = cortex_m::Peripherals::take() else {
         return Err(twice);
     };
-    let Some(light) = singleton!(: Light = Light::empty(job::LOOKING)) else {
+    let Some(light) = singleton!(: Light = EMPTY) else {
         return Err(twice);
     };
-    let Some(row) = singleton!(: [Colour; RESOLUTION] = [Colour::DARK; RESOLUTION]) else {
+    let Some(row) = singleton!(: [Value; RESOLUTION] = [DARK; RESOLUTION]) else {
         return Err(twice);
     };
     let clock = Clock::start(peripherals.SYST);
@@ -151,7 +118,7 @@ fn run() -> Result<(), Failure> {
     );
 
     values(light.irradiance());
-    let mut count = light.irradiance().len() * Colour::CHANNELS;
+    let mut count = light.irradiance().len() * WORDS;
     let mut total = Cost::default();
     let mut wrong_bit = cfg!(feature = "wrong-bit");
     for surface in 0..light.scene().surfaces().len() {
@@ -163,11 +130,11 @@ fn run() -> Result<(), Failure> {
             done?;
             total.and_then(cost);
             if wrong_bit && let Some(value) = row.last_mut() {
-                *value = value.map(|value| f32::from_bits(value.to_bits() ^ 1));
+                *value = kernel::wrong(*value);
                 wrong_bit = false;
             }
             values(row);
-            count += row.len() * Colour::CHANNELS;
+            count += row.len() * WORDS;
         }
     }
     log("resample", total);
@@ -186,8 +153,8 @@ fn log(step: &'static str, cost: Cost) {
 }
 
 /// Logs the bits of values.
-fn values(values: &[Colour]) {
-    // SAFETY: any initialised f32 is four initialised bytes, of no alignment.
+fn values(values: &[Value]) {
+    // SAFETY: any initialised f32 or u32 is four initialised bytes, of no alignment.
     let bytes =
         unsafe { core::slice::from_raw_parts(values.as_ptr().cast::<u8>(), size_of_val(values)) };
     defmt::info!("values {=[u8]}", bytes);

@@ -1,0 +1,55 @@
+//! The whole way in integers: a scene baked for fixed point is loaded, lit,
+//! resampled and asked on a core without FPU, with the same bits on every core.
+//!
+//! What [`scene`](crate::scene), [`shoot`](crate::shoot) and
+//! [`resample`](crate::resample) are to the floating-point rungs, this room is to
+//! [`Q29`] and [`Q24`]: [`Scene::load`] reads tables of whole numbers in place,
+//! [`Light`] lets luminaires and reflectors shoot until the same
+//! [`Stop`](crate::shoot::Stop), and its rows are filtered by the same cone. The
+//! form factors are those of
+//! [`form_factor::fixed_point`](crate::form_factor::fixed_point).
+//!
+//! It serves grey scenes whose radiosities are constant over an emitter and in
+//! which nothing hides anything: the scenes of the paper. Colour, linear
+//! radiosity and visibility are **not** here; the bake refuses such scenes.
+//!
+//! # Units
+//!
+//! Everything is a whole number of a unit that is a power of two, stated in the
+//! tables' [`Header`]:
+//!
+//! | quantity | type | unit |
+//! | --- | --- | --- |
+//! | lengths, coordinates | `i32` | 2^`length` m; the largest coordinate has 29 bits |
+//! | irradiance, radiosity of what reflects | `u32` | 2^`irradiance` W m⁻² |
+//! | emitted radiosity π L | `u32` | 2^(`irradiance` + `shift`) W m⁻² |
+//! | axes and normals | `i32` | 2⁻³⁰ |
+//! | reflectance | `u32` | 2⁻³² |
+//!
+//! The bake chooses the unit of irradiance so that what can arrive at a sample
+//! has 31 bits: half of what a word holds. Where tables lie about that, sums
+//! saturate. So there is no energy too small or too large, and multiplying all
+//! radiances, or all lengths, by a power of two changes the exponents and not
+//! one other bit.
+//!
+//! # Errors
+//!
+//! Each shot adds M F: the form factor's error (5e-8 on `Q29`, 5e-6 on `Q24`,
+//! absolute) times the emitter's radiosity M, and half a unit of irradiance of
+//! rounding, so that n shots lose or make n/2 units at the most: 1e5 shots
+//! 2.3e-5 of 2³¹ units. The form factor has no digits below 2⁻²⁹ (2⁻²⁴):
+//! luminaires that are seen under F < 1e-5 from everywhere want a rung in
+//! floating point.
+
+mod check;
+mod fraction;
+mod light;
+mod resample;
+mod scene;
+mod tables;
+
+pub use crate::form_factor::fixed_point::{Format, Q24, Q29, Receiver};
+pub use light::{Light, light_bytes};
+pub use resample::cone;
+pub use scene::Scene;
+pub use tables::{Emitter, Header, LARGEST_SHIFT, Loop, MAGIC, Surface, VERSION, required_bytes};
