@@ -13,6 +13,7 @@ use isolux::luminance::{Colour, Constant, Linear, Luminance, Rgb};
 use isolux::number::Root;
 use isolux::scene::Scene;
 use isolux::shoot::{Light, Solved, Stop};
+use isolux::transfer::{Codes, Pair, Transfer};
 use isolux::visibility::records::{Blocker, Occluders, Target};
 use isolux::visibility::{Bracket, Capacities, Exact, Looked, Sum, VertexRays, Visibility};
 use rayon::prelude::*;
@@ -313,27 +314,64 @@ impl Visibility for Looking {
             Self::Exact(exact) => exact.look(receiver, target, occluders, blockers, parts),
         }
     }
+}
+
+/// Any rung of transfer: codes where the tables have them, else what a look
+/// finds. Samples are spread over the cores as [`Looking`] does.
+#[derive(Clone, Debug, Default)]
+struct Sending {
+    sight: Looking,
+    coded: bool,
+}
+
+impl Transfer for Sending {
+    fn fits(scene: &Scene<'_>) -> Result<(), Error> {
+        match scene.counts().codes {
+            0 => <Looking as Transfer>::fits(scene),
+            _ => Codes::fits(scene),
+        }
+    }
+
+    fn received<A: Arithmetic<f32>, L: Luminance>(
+        &mut self,
+        scene: &Scene<'_>,
+        receiver: &Receiver<f32>,
+        pair: Pair,
+        radiosity: L,
+    ) -> L::Colour {
+        match self.coded {
+            true => Codes.received::<A, L>(scene, receiver, pair, radiosity),
+            false => Transfer::received::<A, L>(&mut self.sight, scene, receiver, pair, radiosity),
+        }
+    }
 
     fn each<C: Send>(&mut self, values: &mut [C], value: impl Fn(&mut Self, usize, &mut C) + Sync) {
-        /// Samples below which handing out work costs more than it saves.
-        const FEW: usize = 64;
-        if values.len() < FEW {
-            for (index, place) in values.iter_mut().enumerate() {
-                value(self, index, place);
-            }
-            return;
-        }
-        values
-            .par_iter_mut()
-            .enumerate()
-            .with_min_len(FEW / 2)
-            .for_each_init(
-                || self.clone(),
-                |sight, (index, place)| {
-                    value(sight, index, place);
-                },
-            );
+        spread(self, values, value);
     }
+}
+
+/// Sets every value, on all cores where there are enough of them.
+fn spread<W: Clone + Send + Sync, C: Send>(
+    workspace: &mut W,
+    values: &mut [C],
+    value: impl Fn(&mut W, usize, &mut C) + Sync,
+) {
+    /// Samples below which handing out work costs more than it saves.
+    const FEW: usize = 64;
+    if values.len() < FEW {
+        for (index, place) in values.iter_mut().enumerate() {
+            value(workspace, index, place);
+        }
+        return;
+    }
+    values
+        .par_iter_mut()
+        .enumerate()
+        .with_min_len(FEW / 2)
+        .for_each_init(
+            || workspace.clone(),
+            |workspace, (index, place)| value(workspace, index, place),
+        );
 }
 
 /// An answer at a place.
@@ -352,6 +390,9 @@ pub type Channels = [f32; 3];
 /// A solved scene.
 pub struct Solution<'t> {
     light: Box<dyn Lit + 't>,
+    /// What places are looked at with.
+    among: Scene<'t>,
+    sight: Sight,
     /// How the solve ended.
     pub solved: Solved,
 }
@@ -361,7 +402,7 @@ trait Lit: Send + Sync {
     fn solve(&mut self, stop: Stop) -> Solved;
     fn channels(&self) -> usize;
     fn irradiance(&self) -> Vec<Channels>;
-    fn at(&self, receivers: &[Receiver<f32>]) -> Vec<At>;
+    fn at(&self, among: &Scene<'_>, sight: Sight, receivers: &[Receiver<f32>]) -> Vec<At>;
     fn radiosity(&self, emitter: usize) -> Channels;
     fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<Channels>, Error>;
     fn row(
@@ -390,7 +431,7 @@ impl ToChannels for Rgb {
     }
 }
 
-impl<A, L> Lit for Light<'_, A, SAMPLES, EMITTERS, L, Looking>
+impl<A, L> Lit for Light<'_, A, SAMPLES, EMITTERS, L, Sending>
 where
     A: Arithmetic<f32> + Send + Sync,
     L: Luminance<Colour: ToChannels>,
@@ -408,15 +449,15 @@ where
         values.map(|value| value.channels()).collect()
     }
 
-    fn at(&self, receivers: &[Receiver<f32>]) -> Vec<At> {
+    fn at(&self, among: &Scene<'_>, sight: Sight, receivers: &[Receiver<f32>]) -> Vec<At> {
         let one = |sight: &mut Looking, receiver: &Receiver<f32>| {
-            let bracket = self.at_with(receiver, sight);
+            let bracket = self.at_among(among, receiver, sight);
             At {
                 value: bracket.middle().channels(),
                 is_exact: bracket.is_exact(),
             }
         };
-        let sight = || self.sight().clone();
+        let sight = || Looking::with(sight);
         receivers.par_iter().map_init(sight, one).collect()
     }
 
@@ -455,11 +496,11 @@ where
         A: Arithmetic<f32> + Send + Sync + 'static,
         L: Luminance<Colour: ToChannels>,
     {
-        let sight = match scene.counts().occluders {
-            0 => Sight::None,
-            _ => sight,
+        let sending = Sending {
+            sight: Looking::with(sight),
+            coded: scene.counts().codes > 0,
         };
-        let light = Light::<A, SAMPLES, EMITTERS, L, _>::with_sight(scene, Looking::with(sight))?;
+        let light = Light::<A, SAMPLES, EMITTERS, L, _>::with_sight(scene, sending)?;
         Ok(Box::new(light))
     }
     let counts = scene.counts();
@@ -477,9 +518,19 @@ where
 /// Those of [`Scene::load`] and [`Light::new`].
 pub fn solve(tables: &Tables, rung: Rung, sight: Sight, stop: Stop) -> Result<Solution<'_>, Error> {
     let scene = Scene::load(tables.bytes())?;
+    let among = Scene::load(tables.computed().bytes())?;
+    let sight = match among.counts().occluders {
+        0 => Sight::None,
+        _ => sight,
+    };
     let mut light = with_rung!(rung, Kernel => dark::<Kernel>(scene, sight)?);
     let solved = light.solve(stop);
-    Ok(Solution { light, solved })
+    Ok(Solution {
+        light,
+        among,
+        sight,
+        solved,
+    })
 }
 
 /// A resampled surface.
@@ -522,7 +573,7 @@ impl Solution<'_> {
             .iter()
             .map(|&(position, normal)| Receiver::new::<HostRoot>(position, normal))
             .collect::<Result<_, _>>()?;
-        Ok(self.light.at(&receivers))
+        Ok(self.light.at(&self.among, self.sight, &receivers))
     }
 
     /// Irradiance resampled at (u, v), metres in the frame of a surface; `None`

@@ -24,7 +24,7 @@
 //! # Rooms
 //!
 //! Each imports only those above it: [`error`], [`number`], [`geometry`],
-//! [`clip`], [`form_factor`], [`visibility`], [`scene`], [`shoot`], [`resample`], [`budget`].
+//! [`clip`], [`form_factor`], [`visibility`], [`scene`], [`transfer`], [`shoot`], [`resample`], [`budget`].
 //!
 //! # Example
 //!
@@ -58,6 +58,7 @@ pub mod number;
 pub mod resample;
 pub mod scene;
 pub mod shoot;
+pub mod transfer;
 pub mod visibility;
 
 pub use error::Error;

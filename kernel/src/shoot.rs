@@ -24,6 +24,7 @@ use crate::form_factor::Arithmetic;
 use crate::geometry::Receiver;
 use crate::luminance::{Colour, Constant, Luminance};
 use crate::scene::{BRIGHTEST, Scene};
+use crate::transfer::{Pair, Transfer};
 use crate::visibility::{Bracket, Unoccluded, Visibility};
 use core::marker::PhantomData;
 use heapless::Vec;
@@ -31,8 +32,8 @@ use heapless::Vec;
 /// The light in a scene, for at most `SAMPLES` samples and `EMITTERS` emitters.
 ///
 /// `A` is the arithmetic rung, `L` how radiosity varies over an emitter and how
-/// many channels it has, `V` the rung of visibility with its workspace; all must
-/// be what the tables were baked for.
+/// many channels it has, `V` the rung of visibility with its workspace, or
+/// another [`Transfer`]; all must be what the tables were baked for.
 /// RAM: [`budget::light_bytes`](crate::budget::light_bytes).
 #[derive(Clone, Debug)]
 pub struct Light<
@@ -118,14 +119,14 @@ impl<'t, A, const SAMPLES: usize, const EMITTERS: usize, L, V> Light<'t, A, SAMP
 where
     A: Arithmetic<f32>,
     L: Luminance,
-    V: Visibility,
+    V: Transfer,
 {
     /// A dark scene, ready to be lit.
     ///
     /// # Errors
     /// [`Error::Capacity`] where the scene has more samples or emitters than
-    /// the type holds, other channels or coefficients, or occluders that its
-    /// workspace cannot hold.
+    /// the type holds, or other channels or coefficients; and what
+    /// [`Transfer::fits`] says.
     pub fn new(scene: Scene<'t>) -> Result<Self, Error>
     where
         V: Default,
@@ -166,16 +167,9 @@ where
         self.emitters.clear();
         self.form_factors = 0;
         let counts = scene.counts();
-        let (needed, have) = (scene.sight(), V::CAPACITIES);
-        let any = if have.occluders { u32::MAX } else { 0 };
         for (what, needed, have) in [
             (What::Samples, counts.samples, SAMPLES as u32),
             (What::Emitters, counts.emitters, EMITTERS as u32),
-            (What::Occluders, counts.occluders, any),
-            (What::Corners, needed.vertices, have.vertices),
-            (What::Pieces, needed.pieces, have.pieces),
-            (What::Lines, needed.lines, have.lines),
-            (What::Blockers, needed.blockers, have.blockers),
         ] {
             if needed > have {
                 return Err(Error::Capacity { what, needed, have });
@@ -190,6 +184,7 @@ where
                 return Err(Error::Capacity { what, needed, have });
             }
         }
+        V::fits(&scene)?;
         // Both fit: that has just been asked.
         let samples = self
             .irradiance
@@ -341,22 +336,39 @@ where
     /// darkness would be.
     ///
     /// Cost: [`Scene::received`] for every emitter. The answer depends on the
-    /// receiver alone, not on which others were asked.
+    /// receiver alone, not on which others were asked. Not for [`Codes`], which
+    /// knows samples alone.
+    ///
+    /// [`Codes`]: crate::transfer::Codes
     pub fn at(&self, receiver: &Receiver<f32>) -> L::Colour
     where
-        V: Default,
+        V: Visibility + Default,
     {
         self.at_with(receiver, &mut V::default()).middle()
     }
 
     /// As [`at`](Self::at), with the caller's workspace in place of one on the
     /// stack; both bounds where it is too small for a place nobody planned for.
-    pub fn at_with(&self, receiver: &Receiver<f32>, sight: &mut V) -> Bracket<L::Colour> {
+    pub fn at_with(&self, receiver: &Receiver<f32>, sight: &mut V) -> Bracket<L::Colour>
+    where
+        V: Visibility,
+    {
+        self.at_among(&self.scene, receiver, sight)
+    }
+
+    /// As [`at_with`](Self::at_with), looking in another scene with the same
+    /// emitters: the one with its occluders, where the light's own has codes in
+    /// place of them.
+    pub fn at_among<W: Visibility>(
+        &self,
+        scene: &Scene<'_>,
+        receiver: &Receiver<f32>,
+        sight: &mut W,
+    ) -> Bracket<L::Colour> {
         let mut sum = Bracket::exactly(L::Colour::DARK);
         for (index, state) in self.emitters.iter().enumerate() {
             if state.shot != L::DARK {
-                let scene = &self.scene;
-                sum = sum.plus(scene.received::<A, L, V>(receiver, index, state.shot, sight));
+                sum = sum.plus(scene.received::<A, L, W>(receiver, index, state.shot, sight));
             }
         }
         let lit = |value: f32| if value > 0.0 { value } else { 0.0 };
@@ -426,11 +438,14 @@ where
             return;
         };
         let is_luminaire = scene.is_luminaire(index);
+        let mut next = 0_u32;
         for (number, surface) in (0_u32..).zip(scene.surfaces()) {
+            let samples = scene.receivers(surface, is_luminaire);
+            let first = next;
+            next = next.saturating_add(samples.len() as u32);
             if number == emitter.surface {
                 continue; // a planar polygon does not light its own plane
             }
-            let samples = scene.receivers(surface, is_luminaire);
             self.form_factors = self.form_factors.saturating_add(samples.len() as u32);
             let places = scene.samples().get(samples.clone()).unwrap_or(&[]);
             let values = self.irradiance.get_mut(samples).unwrap_or_default();
@@ -439,8 +454,12 @@ where
                     return;
                 };
                 let receiver = Receiver::of_unit(surface.place(place), surface.normal.into());
-                let more = scene.received::<A, L, V>(&receiver, index, radiosity, sight);
-                *value = value.plus(more.middle());
+                let pair = Pair {
+                    emitter: index,
+                    receiver: first.wrapping_add(number as u32),
+                };
+                let more = sight.received::<A, L>(&scene, &receiver, pair, radiosity);
+                *value = value.plus(more);
             });
         }
         if let Some(state) = self.emitters.get_mut(index) {

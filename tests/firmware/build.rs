@@ -130,8 +130,9 @@ fn luminance(counts: &Counts) -> String {
     format!("isolux::luminance::{form}<{colour}>")
 }
 
-/// The kernel's type of visibility for these tables, and an empty workspace.
-fn visibility(counts: &Counts, sight: &Sight) -> Result<[String; 2], String> {
+/// The kernel's type of transfer for these tables, codes where they have them and
+/// else a rung of visibility, and an empty workspace.
+fn transfer(counts: &Counts, sight: &Sight) -> Result<[String; 2], String> {
     let rung = variable("ISOLUX_VISIBILITY").unwrap_or_else(|| "exact".to_owned());
     let Sight {
         vertices,
@@ -140,12 +141,14 @@ fn visibility(counts: &Counts, sight: &Sight) -> Result<[String; 2], String> {
         blockers,
     } = sight;
     match rung.as_str() {
-        _ if counts.occluders == 0 => Ok(["Unoccluded"; 2].map(str::to_owned)),
+        // What is seen is in the tables.
+        _ if counts.codes > 0 => Ok(["transfer::Codes"; 2].map(str::to_owned)),
+        _ if counts.occluders == 0 => Ok(["visibility::Unoccluded"; 2].map(str::to_owned)),
         "exact" => Ok([
-            format!("Exact<{vertices}, {pieces}, {lines}, {blockers}>"),
-            "Exact::new()".to_owned(),
+            format!("visibility::Exact<{vertices}, {pieces}, {lines}, {blockers}>"),
+            "visibility::Exact::new()".to_owned(),
         ]),
-        "vertex-rays" => Ok(["VertexRays"; 2].map(str::to_owned)),
+        "vertex-rays" => Ok(["visibility::VertexRays"; 2].map(str::to_owned)),
         _ => Err(format!(
             "ISOLUX_VISIBILITY is \"{rung}\"; the firmware knows exact, vertex-rays"
         )),
@@ -185,7 +188,7 @@ fn job() -> Result<String, String> {
             (format!("include_bytes!({path:?})"), contents(&path)?)
         }
     };
-    let [visibility, looking] = visibility(&counts, &sight)?;
+    let [transfer, looking] = transfer(&counts, &sight)?;
     let mut source = String::new();
     let lines = [
         "/// Rows and columns of each resampled grid.".to_owned(),
@@ -198,10 +201,10 @@ fn job() -> Result<String, String> {
         "/// What the workspace of visibility holds.".to_owned(),
         "pub(crate) const SIGHT: isolux::scene::records::Sight =".to_owned(),
         format!("    isolux::scene::records::{sight:?};"),
-        "/// The rung of visibility.".to_owned(),
-        format!("pub(crate) type Visibility = isolux::visibility::{visibility};"),
+        "/// The rung of transfer: how what a sample receives is had.".to_owned(),
+        format!("pub(crate) type Transfer = isolux::{transfer};"),
         "/// Its workspace, empty.".to_owned(),
-        format!("pub(crate) const LOOKING: Visibility = isolux::visibility::{looking};"),
+        format!("pub(crate) const LOOKING: Transfer = isolux::{looking};"),
         "/// The rung of form-factor arithmetic.".to_owned(),
         format!("pub(crate) type Arithmetic = {arithmetic};"),
         "/// When to stop shooting.".to_owned(),

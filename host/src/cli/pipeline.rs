@@ -1,6 +1,6 @@
 //! The way from a scene file to a solved scene, shared by the commands.
 
-use super::choice::{self, Emitters, RungArguments};
+use super::choice::{self, Emitters, RungArguments, Transfer};
 use super::failure::Failure;
 use crate::bake::{self, Tables};
 use crate::occlusion::Occlusion;
@@ -88,7 +88,11 @@ pub(super) fn plan(
                 .map_err(|error| Failure::limit(error, "split the scene"))?,
         ),
     };
-    let tables = bake::bake(&scene, &plan, occlusion)
+    let tables = match choices.transfer {
+        Transfer::Exact => bake::bake(&scene, &plan, occlusion),
+        Transfer::Codes => bake::bake_coded(&scene, &plan, occlusion),
+    };
+    let tables = tables
         .map_err(|error| Failure::limit(error, "lower [budget] samples or split the scene"))?;
     affordable(&scene, &tables, choices.sight)?;
     Ok(Planned {

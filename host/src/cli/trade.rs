@@ -29,6 +29,8 @@ pub(super) struct Arguments {
     /// Light in the scene is reflected at most so many times.
     #[arg(long, value_name = "N", default_value_t = 1, requires = "scene")]
     bounces: u32,
+    #[command(flatten)]
+    rungs: RungArguments,
 }
 
 #[derive(Serialize)]
@@ -56,7 +58,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     let planned = match &arguments.scene {
         Some(path) => Some(pipeline::plan(
             pipeline::read(path)?,
-            &RungArguments::default(),
+            &arguments.rungs,
             &[],
         )?),
         None => None,
