@@ -18,12 +18,14 @@
 //! shoot what arrived in the last generation (a Neumann sum, so that "light
 //! reflected at most N times" is exact).
 
+mod unshot;
+
 use crate::Error;
 use crate::error::What;
 use crate::form_factor::Arithmetic;
 use crate::geometry::Receiver;
 use crate::luminance::{Colour, Constant, Luminance};
-use crate::scene::{BRIGHTEST, Scene};
+use crate::scene::Scene;
 use crate::transfer::{Pair, Transfer};
 use crate::visibility::{Bracket, Unoccluded, Visibility};
 use core::marker::PhantomData;
@@ -256,17 +258,8 @@ where
     /// Lets the emitter with the largest unshot power shoot. Returns its index,
     /// or `None` where nothing is left.
     pub fn shoot(&mut self) -> Option<usize> {
-        let mut best = None;
-        let mut largest = 0.0;
-        for (index, emitter) in self.scene.emitters().iter().enumerate() {
-            let power = self.unshot(index).mean().total() * emitter.area;
-            if power > largest {
-                (best, largest) = (Some(index), power);
-            }
-        }
-        let index = best?;
-        let radiosity = self.unshot(index);
-        self.send(index, radiosity);
+        let index = self.left().brightest?;
+        self.send(index, self.unshot(index));
         Some(index)
     }
 
@@ -295,7 +288,14 @@ where
                 fraction,
                 shots: limit,
             } => {
-                while shots < limit && self.unshot_fraction() > fraction && self.shoot().is_some() {
+                while shots < limit {
+                    // One look over the emitters for both: with codes it costs
+                    // as much as a shot.
+                    let left = self.left();
+                    let Some(index) = left.brightest.filter(|_| left.fraction > fraction) else {
+                        break;
+                    };
+                    self.send(index, self.unshot(index));
                     shots = shots.saturating_add(1);
                 }
             }
@@ -305,22 +305,6 @@ where
             form_factors: self.form_factors,
             unshot: self.unshot_fraction(),
         }
-    }
-
-    /// Power not yet shot as a fraction of the emitted power; 0 in a dark
-    /// scene.
-    pub fn unshot_fraction(&self) -> f32 {
-        // A power of two that changes no digit of the fraction keeps the
-        // largest powers finite: 1e21 W m⁻² from 1e17 m² of 65 536 emitters.
-        const SCALE: f32 = 1.0 / (1 << 24) as f32;
-        let (mut unshot, mut emitted) = (0.0, 0.0);
-        for (index, emitter) in self.scene.emitters().iter().enumerate() {
-            let left = self.unshot(index).mean().total();
-            let exitance = self.scene.exitance::<L::Colour>(index).total();
-            unshot += if left > 0.0 { left } else { 0.0 } * SCALE * emitter.area;
-            emitted += exitance * SCALE * emitter.area;
-        }
-        if emitted > 0.0 { unshot / emitted } else { 0.0 }
     }
 
     /// The radiosity in W m⁻² that an emitter has shot so far; dark where there
@@ -376,59 +360,6 @@ where
             low: sum.low.map(lit),
             high: sum.high.map(lit),
         }
-    }
-
-    /// Radiosity of an emitter that it has not yet shot.
-    ///
-    /// In tables of an impossible scene more may arrive than was sent, and
-    /// grow: it is held where every sum of it is finite. A constant radiosity is
-    /// not below 0, which only rounding makes it; a linear one may be in a
-    /// channel where its samples' fit is.
-    fn unshot(&self, index: usize) -> L {
-        let Some(state) = self.emitters.get(index) else {
-            return L::DARK;
-        };
-        let exitance = L::uniform(self.scene.exitance(index));
-        let lowest = if L::COEFFICIENTS == 1 {
-            0.0
-        } else {
-            -BRIGHTEST
-        };
-        let held = |value: f32| {
-            if value > BRIGHTEST {
-                BRIGHTEST
-            } else if value > lowest {
-                value
-            } else {
-                lowest
-            }
-        };
-        exitance
-            .zip(self.reflected(index), Colour::plus)
-            .zip(state.shot, |all, shot| {
-                all.zip(shot, |all, shot| held(all - shot))
-            })
-    }
-
-    /// ρ times the irradiance of the emitter's members: their mean, or what
-    /// their weights make of it.
-    fn reflected(&self, index: usize) -> L {
-        let Some(emitter) = self.scene.emitters().get(index) else {
-            return L::DARK;
-        };
-        if emitter.members == 0 {
-            return L::DARK;
-        }
-        let mut sum = L::DARK;
-        for (sample, weights) in self.scene.members_of(emitter) {
-            let irradiance = self.irradiance.get(sample).copied();
-            sum = sum.gather(irradiance.unwrap_or(L::Colour::DARK), weights);
-        }
-        let reflectance = self
-            .scene
-            .reflectance::<L::Colour>(emitter.surface as usize);
-        sum.gathered(emitter.members as usize)
-            .zip(L::DARK, |all, _| all.zip(reflectance, |e, rho| rho * e))
     }
 
     /// Adds what every sample receives from this much radiosity.

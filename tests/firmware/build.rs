@@ -8,7 +8,7 @@
 //! | `ISOLUX_TABLES` | path of the baked tables (bytes) |
 //! | `ISOLUX_RESOLUTION` | rows and columns of each resampled grid |
 //! | `ISOLUX_ARITHMETIC` | rung of the arithmetic ladder |
-//! | `ISOLUX_VISIBILITY` | rung of visibility where something occludes: `exact`, `vertex-rays` |
+//! | `ISOLUX_VISIBILITY` | rung of visibility where something occludes: `exact`, `vertex-rays`; of no effect on tables with codes |
 //! | `ISOLUX_STOP` | `below FRACTION SHOTS`, `shots N` or `reflections N` |
 //!
 //! `ISOLUX_EVALUATIONS` is how many form factors a rung the program `hashes`

@@ -33,12 +33,13 @@ mod entries {
         self, Baked, Best, Edge, Libm, Micromath, Outline, Poly3, Poly5, Poly8, of_baked_loops,
     };
     use isolux::geometry::{Plane, Receiver};
-    use isolux::luminance::Constant;
+    use isolux::luminance::{Constant, Linear};
     use isolux::number::{self, Root, SoftRoot};
     use isolux::resample::{self, Filtered, Row};
     use isolux::scene::records::{self, Counts, Emitter, Surface};
     use isolux::scene::{Scene, required_bytes};
     use isolux::shoot::{self, Solved, Stop};
+    use isolux::transfer::Codes;
     use isolux::visibility::records::{Blocker, Occluders, Target};
     use isolux::visibility::{Bracket, Exact, Gathered, VertexRays, Visibility};
     use isolux::{Error, budget};
@@ -61,6 +62,7 @@ mod entries {
     type Light<'t, A> = shoot::Light<'t, A, 64, 16>;
     type BestLight<'t> = Light<'t, Best<Chosen>>;
     type LibmLight<'t> = Light<'t, Libm<Chosen>>;
+    type CodedLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Linear<f32>, Codes>;
 
     type Workspace = Exact<8, 4, 24, 6>;
 
@@ -213,6 +215,12 @@ mod entries {
             light.shoot()
         }
         fn isolux_entry_light_solve(light: &mut BestLight<'static>, stop: Stop) -> Solved {
+            light.solve(stop)
+        }
+        fn isolux_entry_light_new_coded(scene: Scene<'static>) -> Result<CodedLight<'static>, Error> {
+            CodedLight::new(scene)
+        }
+        fn isolux_entry_light_solve_coded(light: &mut CodedLight<'static>, stop: Stop) -> Solved {
             light.solve(stop)
         }
         fn isolux_entry_light_solve_libm(light: &mut LibmLight<'static>, stop: Stop) -> Solved {
