@@ -263,7 +263,10 @@ fn a_room_with_codes_gives_the_hosts_bits() {
         .expect("shipped");
     let mut scene = file::parse(name, source).expect("a sound scene");
     scene.budget.samples = Some(200);
-    let plan = plan::patches::linear(&scene, &scene.budget).expect("a plan");
+    let reference = Reference::new(&scene, Reflections::AtMost(0), &mut |_| {});
+    let direct = reference.expect("a reference");
+    let field = |places: &[_]| direct.irradiance_at(places);
+    let plan = plan::patches::linear(&scene, &scene.budget, &field).expect("a plan");
     let places = scene.surfaces.iter().flat_map(|s| s.vertices.clone());
     let occlusion = Occlusion::for_receivers_within(&scene, places).expect("occluders");
     let tables = bake::bake_coded(&scene, &plan, Some(occlusion)).expect("tables");

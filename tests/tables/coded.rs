@@ -13,6 +13,7 @@ use isolux::visibility::{Exact, Unoccluded};
 use isolux_host::bake::{self, Tables};
 use isolux_host::occlusion::Occlusion;
 use isolux_host::plan;
+use isolux_host::reference::{Reference, Reflections};
 use isolux_host::scene::{file, shipped};
 use isolux_host::solve::{self, Rung, Sight};
 use std::mem::offset_of;
@@ -36,7 +37,10 @@ fn baked() -> Tables {
         .expect("shipped");
     let mut scene = file::parse(name, source).expect("a sound scene");
     scene.budget.samples = Some(320);
-    let plan = plan::patches::linear(&scene, &scene.budget).expect("a plan");
+    let reference = Reference::new(&scene, Reflections::AtMost(0), &mut |_| {});
+    let direct = reference.expect("a reference");
+    let field = |places: &[_]| direct.irradiance_at(places);
+    let plan = plan::patches::linear(&scene, &scene.budget, &field).expect("a plan");
     let places = scene
         .surfaces
         .iter()
