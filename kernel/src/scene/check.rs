@@ -1,6 +1,6 @@
 //! Everything that is demanded of tables, once.
 
-use super::records::{Counts, Header, Loop, Surface, checksum};
+use super::records::{Counts, Header, Loop, Sight, Surface, checksum};
 use super::{MAGIC, Scene, VERSION, required_bytes};
 use crate::Error;
 use crate::error::What;
@@ -48,6 +48,9 @@ pub(super) fn header(tables: &[u8]) -> Result<(&Header, &[u8]), Error> {
 pub(super) fn records(scene: &Scene<'_>) -> Result<(), Error> {
     numbers(What::Header, 0, non_negative(scene.header.tolerance))?;
     ranges(What::Header, 0, counts_agree(&scene.header.counts))?;
+    // Where nothing occludes no workspace is needed.
+    let sight = scene.header.sight == Sight::default();
+    ranges(What::Header, 0, sight || scene.header.counts.occluders > 0)?;
     surfaces(scene)?;
     emitters(scene)?;
     all(What::Reflectances, scene.reflectances, |&rho| {
