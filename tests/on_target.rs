@@ -10,6 +10,7 @@ use isolux::scene::records::{self, Counts, Emitter, Header, Loop, Surface, check
 use isolux::scene::{Aligned, MAGIC, Scene, VERSION, required_bytes};
 use isolux::shoot::{Light, Stop};
 use isolux_host::device::{self, Core, Error, Job, Measured, Options};
+use isolux_host::occlusion::Occlusion;
 use isolux_host::reference::{Reference, Reflections};
 use isolux_host::scene::{Budget, file, shipped};
 use isolux_host::solve::{self, FormFactorRung, Rung, Sight};
@@ -251,6 +252,54 @@ fn the_paper_scene_gives_the_hosts_bits_on_every_core() {
         assert!(measured.budget.kept, "{rung:?}");
         assert!(measured.stack_bytes <= measured.stack_bound_bytes);
     }
+}
+
+/// The Cornell box in few patches, with codes: no occluder is on the device.
+#[test]
+fn a_room_with_codes_gives_the_hosts_bits() {
+    let mut sources = shipped::ALL.iter();
+    let (name, source) = sources
+        .find(|(name, _)| *name == "cornell.toml")
+        .expect("shipped");
+    let mut scene = file::parse(name, source).expect("a sound scene");
+    scene.budget.samples = Some(200);
+    let reference = Reference::new(&scene, Reflections::AtMost(0), &mut |_| {});
+    let direct = reference.expect("a reference");
+    let field = |places: &[_]| direct.irradiance_at(places);
+    let plan = plan::patches::linear(&scene, &scene.budget, &field).expect("a plan");
+    let places = scene.surfaces.iter().flat_map(|s| s.vertices.clone());
+    let occlusion = Occlusion::for_receivers_within(&scene, places).expect("occluders");
+    let tables = bake::bake_coded(&scene, &plan, Some(occlusion)).expect("tables");
+    let solution = solve::solve(&tables, Rung::Best, Sight::Exact, STOP).expect("a solution");
+    let mut expected = solution.irradiance_bits();
+    const FEW: usize = 4;
+    for (index, surface) in plan.surfaces.iter().enumerate() {
+        if !surface.samples.is_empty() {
+            let grid = solution.resample(index, FEW as u32).expect("a grid");
+            expected.extend(grid.bits);
+        }
+    }
+    let job = Job {
+        scene: &scene.name,
+        tables: tables.bytes(),
+        arithmetic: "best",
+        visibility: "exact",
+        stop: STOP,
+        resolution: FEW,
+        expected: &expected,
+        budget: scene.budget,
+    };
+    let options = Options {
+        software_root: false,
+        ..Options::default()
+    };
+    let measured = match device::run(&job, &options) {
+        Ok(measured) => measured,
+        Err(error) => return skip(error).unwrap_or_default(),
+    };
+    println!("{measured:#?}");
+    assert!(measured.bits_equal);
+    assert!(measured.stack_bytes <= measured.stack_bound_bytes);
 }
 
 /// The same scene in integers, where nothing is to be had from an FPU.

@@ -1,6 +1,8 @@
 //! The tables between host and kernel: what is refused and why, what happens
 //! to tables that somebody changed, and the energy in what they describe.
 
+#[path = "tables/coded.rs"]
+mod coded;
 #[path = "tables/endurance.rs"]
 mod endurance;
 #[path = "tables/energy.rs"]

@@ -15,6 +15,7 @@ use isolux::luminance::{Colour, Constant, Linear, Luminance, Rgb};
 use isolux::number::Root;
 use isolux::scene::Scene;
 use isolux::shoot::{Light, Solved, Stop};
+use isolux::transfer::{Codes, Pair, Transfer};
 use isolux::visibility::records::{Blocker, Occluders, Target};
 use isolux::visibility::{Bracket, Capacities, Exact, Looked, Sum, VertexRays, Visibility};
 use rayon::prelude::*;
@@ -332,27 +333,64 @@ impl Visibility for Looking {
             Self::Exact(exact) => exact.look(receiver, target, occluders, blockers, parts),
         }
     }
+}
+
+/// Any rung of transfer: codes where the tables have them, else what a look
+/// finds. Samples are spread over the cores as [`Looking`] does.
+#[derive(Clone, Debug, Default)]
+struct Sending {
+    sight: Looking,
+    coded: bool,
+}
+
+impl Transfer for Sending {
+    fn fits(scene: &Scene<'_>) -> Result<(), Error> {
+        match scene.counts().codes {
+            0 => <Looking as Transfer>::fits(scene),
+            _ => Codes::fits(scene),
+        }
+    }
+
+    fn received<A: Arithmetic<f32>, L: Luminance>(
+        &mut self,
+        scene: &Scene<'_>,
+        receiver: &Receiver<f32>,
+        pair: Pair,
+        radiosity: L,
+    ) -> L::Colour {
+        match self.coded {
+            true => Codes.received::<A, L>(scene, receiver, pair, radiosity),
+            false => Transfer::received::<A, L>(&mut self.sight, scene, receiver, pair, radiosity),
+        }
+    }
 
     fn each<C: Send>(&mut self, values: &mut [C], value: impl Fn(&mut Self, usize, &mut C) + Sync) {
-        /// Samples below which handing out work costs more than it saves.
-        const FEW: usize = 64;
-        if values.len() < FEW {
-            for (index, place) in values.iter_mut().enumerate() {
-                value(self, index, place);
-            }
-            return;
-        }
-        values
-            .par_iter_mut()
-            .enumerate()
-            .with_min_len(FEW / 2)
-            .for_each_init(
-                || self.clone(),
-                |sight, (index, place)| {
-                    value(sight, index, place);
-                },
-            );
+        spread(self, values, value);
     }
+}
+
+/// Sets every value, on all cores where there are enough of them.
+fn spread<W: Clone + Send + Sync, C: Send>(
+    workspace: &mut W,
+    values: &mut [C],
+    value: impl Fn(&mut W, usize, &mut C) + Sync,
+) {
+    /// Samples below which handing out work costs more than it saves.
+    const FEW: usize = 64;
+    if values.len() < FEW {
+        for (index, place) in values.iter_mut().enumerate() {
+            value(workspace, index, place);
+        }
+        return;
+    }
+    values
+        .par_iter_mut()
+        .enumerate()
+        .with_min_len(FEW / 2)
+        .for_each_init(
+            || workspace.clone(),
+            |workspace, (index, place)| value(workspace, index, place),
+        );
 }
 
 /// An answer at a place.
@@ -368,9 +406,20 @@ pub struct At {
 /// Light in the three channels; a grey scene has the same in all.
 pub type Channels = [f32; 3];
 
+/// A place and its normal, as the kernel takes them.
+type Place = ([f32; 3], [f32; 3]);
+
+/// What places are looked at from.
+struct Origin<'t> {
+    /// The scene with its occluders, which coded tables lack.
+    scene: Scene<'t>,
+    sight: Sight,
+}
+
 /// A solved scene.
 pub struct Solution<'t> {
     light: Box<dyn Lit + 't>,
+    from: Origin<'t>,
     /// How the solve ended.
     pub solved: Solved,
 }
@@ -381,7 +430,7 @@ trait Lit: Send + Sync {
     fn channels(&self) -> usize;
     fn irradiance(&self) -> Vec<Channels>;
     fn irradiance_bits(&self) -> Vec<u32>;
-    fn at(&self, receivers: &[([f32; 3], [f32; 3])]) -> Result<Vec<At>, Error>;
+    fn at(&self, from: &Origin<'_>, receivers: &[Place]) -> Result<Vec<At>, Error>;
     fn radiosity(&self, emitter: usize) -> Channels;
     fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<Channels>, Error>;
     fn row(
@@ -411,7 +460,7 @@ impl ToChannels for Rgb {
     }
 }
 
-impl<A, L> Lit for Light<'_, A, SAMPLES, EMITTERS, L, Looking>
+impl<A, L> Lit for Light<'_, A, SAMPLES, EMITTERS, L, Sending>
 where
     A: Arithmetic<f32> + Send + Sync,
     L: Luminance<Colour: ToChannels>,
@@ -434,16 +483,16 @@ where
         values.flat_map(|&value| bits(value)).collect()
     }
 
-    fn at(&self, receivers: &[([f32; 3], [f32; 3])]) -> Result<Vec<At>, Error> {
-        let one = |sight: &mut Looking, &(position, normal): &([f32; 3], [f32; 3])| {
+    fn at(&self, from: &Origin<'_>, receivers: &[Place]) -> Result<Vec<At>, Error> {
+        let one = |sight: &mut Looking, &(position, normal): &Place| {
             let receiver = Receiver::new::<HostRoot>(position, normal)?;
-            let bracket = self.at_with(&receiver, sight);
+            let bracket = self.at_among(&from.scene, &receiver, sight);
             Ok(At {
                 value: bracket.middle().channels(),
                 is_exact: bracket.is_exact(),
             })
         };
-        let sight = || self.sight().clone();
+        let sight = || Looking::with(from.sight);
         receivers.par_iter().map_init(sight, one).collect()
     }
 
@@ -493,11 +542,11 @@ where
         A: Arithmetic<f32> + Send + Sync + 'static,
         L: Luminance<Colour: ToChannels>,
     {
-        let sight = match scene.counts().occluders {
-            0 => Sight::None,
-            _ => sight,
+        let sending = Sending {
+            sight: Looking::with(sight),
+            coded: scene.counts().codes > 0,
         };
-        let light = Light::<A, SAMPLES, EMITTERS, L, _>::with_sight(scene, Looking::with(sight))?;
+        let light = Light::<A, SAMPLES, EMITTERS, L, _>::with_sight(scene, sending)?;
         Ok(Box::new(light))
     }
     let counts = scene.counts();
@@ -519,16 +568,28 @@ pub fn solve(
     sight: Sight,
     stop: Stop,
 ) -> Result<Solution<'_>, Error> {
+    let mut from = Origin {
+        scene: Scene::EMPTY,
+        sight: Sight::None,
+    };
     let mut light = match rung.into() {
         FormFactorRung::Float(rung) => {
             let scene = Scene::load(tables.bytes())?;
-            with_rung!(rung, Kernel => dark::<Kernel>(scene, sight)?)
+            from.scene = Scene::load(tables.computed().bytes())?;
+            if from.scene.counts().occluders > 0 {
+                from.sight = sight;
+            }
+            with_rung!(rung, Kernel => dark::<Kernel>(scene, from.sight)?)
         }
         FormFactorRung::Q24 => integers::dark::<Q24>(tables.bytes())?,
         FormFactorRung::Q29 => integers::dark::<Q29>(tables.bytes())?,
     };
     let solved = light.solve(stop);
-    Ok(Solution { light, solved })
+    Ok(Solution {
+        light,
+        from,
+        solved,
+    })
 }
 
 /// A resampled surface.
@@ -569,7 +630,7 @@ impl Solution<'_> {
     /// # Errors
     /// [`Error::Receiver`] for a place or normal that is none.
     pub fn at(&self, receivers: &[([f32; 3], [f32; 3])]) -> Result<Vec<At>, Error> {
-        self.light.at(receivers)
+        self.light.at(&self.from, receivers)
     }
 
     /// Irradiance resampled at (u, v), metres in the frame of a surface; `None`

@@ -130,6 +130,10 @@ pub enum What {
     Rows,
     /// Corners of polygons in the plane.
     Corners,
+    /// How samples receive from secondary emitters.
+    Codes,
+    /// What samples see of luminaires.
+    Fractions,
 }
 
 impl fmt::Display for What {
@@ -157,6 +161,8 @@ impl fmt::Display for What {
             Self::Coefficients => "coefficients",
             Self::Rows => "rows",
             Self::Corners => "corners",
+            Self::Codes => "codes",
+            Self::Fractions => "visible fractions",
         })
     }
 }

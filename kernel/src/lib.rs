@@ -24,8 +24,8 @@
 //! # Rooms
 //!
 //! Each imports only those above it: [`error`], [`number`], [`geometry`],
-//! [`clip`], [`form_factor`], [`visibility`], [`scene`], [`shoot`], [`resample`], [`budget`];
-//! with the feature `fixed` also `integers`, the whole way without floating point.
+//! [`clip`], [`form_factor`], [`luminance`], [`visibility`], [`scene`], [`transfer`], [`shoot`], [`resample`],
+//! [`budget`]; with the feature `fixed` also `integers`, the whole way without floating point.
 //!
 //! # Example
 //!
@@ -62,6 +62,7 @@ pub mod number;
 pub mod resample;
 pub mod scene;
 pub mod shoot;
+pub mod transfer;
 pub mod visibility;
 
 pub use error::Error;

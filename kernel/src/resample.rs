@@ -17,7 +17,7 @@ use crate::luminance::{Colour, Luminance};
 use crate::number::Root;
 use crate::scene::records::Surface;
 use crate::shoot::Light;
-use crate::visibility::Visibility;
+use crate::transfer::Transfer;
 
 /// Doublings of the radius after which the search for a sample ends: 2⁴⁰
 /// spans every ratio of lengths that checked tables can hold.
@@ -83,7 +83,7 @@ impl<A, const SAMPLES: usize, const EMITTERS: usize, L, V> Light<'_, A, SAMPLES,
 where
     A: Arithmetic<f32>,
     L: Luminance,
-    V: Visibility,
+    V: Transfer,
 {
     /// The cone-filtered irradiance in W m⁻² at (u, v), metres in the frame of a
     /// surface; `None` for a surface without samples.

@@ -19,6 +19,7 @@
 //! reflected at most N times" is exact).
 
 mod stop;
+mod unshot;
 
 pub(crate) use stop::{Shooting, until};
 pub use stop::{Solved, Stop};
@@ -28,7 +29,8 @@ use crate::error::What;
 use crate::form_factor::Arithmetic;
 use crate::geometry::Receiver;
 use crate::luminance::{Colour, Constant, Luminance};
-use crate::scene::{BRIGHTEST, Scene};
+use crate::scene::Scene;
+use crate::transfer::{Pair, Transfer};
 use crate::visibility::{Bracket, Unoccluded, Visibility};
 use core::marker::PhantomData;
 use heapless::Vec;
@@ -36,8 +38,8 @@ use heapless::Vec;
 /// The light in a scene, for at most `SAMPLES` samples and `EMITTERS` emitters.
 ///
 /// `A` is the arithmetic rung, `L` how radiosity varies over an emitter and how
-/// many channels it has, `V` the rung of visibility with its workspace; all must
-/// be what the tables were baked for.
+/// many channels it has, `V` the rung of visibility with its workspace, or
+/// another [`Transfer`]; all must be what the tables were baked for.
 /// RAM: [`budget::light_bytes`](crate::budget::light_bytes).
 #[derive(Clone, Debug)]
 pub struct Light<
@@ -80,14 +82,14 @@ impl<'t, A, const SAMPLES: usize, const EMITTERS: usize, L, V> Light<'t, A, SAMP
 where
     A: Arithmetic<f32>,
     L: Luminance,
-    V: Visibility,
+    V: Transfer,
 {
     /// A dark scene, ready to be lit.
     ///
     /// # Errors
     /// [`Error::Capacity`] where the scene has more samples or emitters than
-    /// the type holds, other channels or coefficients, or occluders that its
-    /// workspace cannot hold.
+    /// the type holds, or other channels or coefficients; and what
+    /// [`Transfer::fits`] says.
     pub fn new(scene: Scene<'t>) -> Result<Self, Error>
     where
         V: Default,
@@ -128,16 +130,9 @@ where
         self.emitters.clear();
         self.form_factors = 0;
         let counts = scene.counts();
-        let (needed, have) = (scene.sight(), V::CAPACITIES);
-        let any = if have.occluders { u32::MAX } else { 0 };
         for (what, needed, have) in [
             (What::Samples, counts.samples, SAMPLES as u32),
             (What::Emitters, counts.emitters, EMITTERS as u32),
-            (What::Occluders, counts.occluders, any),
-            (What::Corners, needed.vertices, have.vertices),
-            (What::Pieces, needed.pieces, have.pieces),
-            (What::Lines, needed.lines, have.lines),
-            (What::Blockers, needed.blockers, have.blockers),
         ] {
             if needed > have {
                 return Err(Error::Capacity { what, needed, have });
@@ -152,6 +147,7 @@ where
                 return Err(Error::Capacity { what, needed, have });
             }
         }
+        V::fits(&scene)?;
         // Both fit: that has just been asked.
         let samples = self
             .irradiance
@@ -223,17 +219,8 @@ where
     /// Lets the emitter with the largest unshot power shoot. Returns its index,
     /// or `None` where nothing is left.
     pub fn shoot(&mut self) -> Option<usize> {
-        let mut best = None;
-        let mut largest = 0.0;
-        for (index, emitter) in self.scene.emitters().iter().enumerate() {
-            let power = self.unshot(index).mean().total() * emitter.area;
-            if power > largest {
-                (best, largest) = (Some(index), power);
-            }
-        }
-        let index = best?;
-        let radiosity = self.unshot(index);
-        self.send(index, radiosity);
+        let index = self.left().brightest?;
+        self.send(index, self.unshot(index));
         Some(index)
     }
 
@@ -250,22 +237,6 @@ where
         }
     }
 
-    /// Power not yet shot as a fraction of the emitted power; 0 in a dark
-    /// scene.
-    pub fn unshot_fraction(&self) -> f32 {
-        // A power of two that changes no digit of the fraction keeps the
-        // largest powers finite: 1e21 W m⁻² from 1e17 m² of 65 536 emitters.
-        const SCALE: f32 = 1.0 / (1 << 24) as f32;
-        let (mut unshot, mut emitted) = (0.0, 0.0);
-        for (index, emitter) in self.scene.emitters().iter().enumerate() {
-            let left = self.unshot(index).mean().total();
-            let exitance = self.scene.exitance::<L::Colour>(index).total();
-            unshot += if left > 0.0 { left } else { 0.0 } * SCALE * emitter.area;
-            emitted += exitance * SCALE * emitter.area;
-        }
-        if emitted > 0.0 { unshot / emitted } else { 0.0 }
-    }
-
     /// The radiosity in W m⁻² that an emitter has shot so far; dark where there
     /// is no such emitter.
     pub fn radiosity(&self, emitter: usize) -> L {
@@ -279,22 +250,39 @@ where
     /// darkness would be.
     ///
     /// Cost: [`Scene::received`] for every emitter. The answer depends on the
-    /// receiver alone, not on which others were asked.
+    /// receiver alone, not on which others were asked. Not for [`Codes`], which
+    /// knows samples alone.
+    ///
+    /// [`Codes`]: crate::transfer::Codes
     pub fn at(&self, receiver: &Receiver<f32>) -> L::Colour
     where
-        V: Default,
+        V: Visibility + Default,
     {
         self.at_with(receiver, &mut V::default()).middle()
     }
 
     /// As [`at`](Self::at), with the caller's workspace in place of one on the
     /// stack; both bounds where it is too small for a place nobody planned for.
-    pub fn at_with(&self, receiver: &Receiver<f32>, sight: &mut V) -> Bracket<L::Colour> {
+    pub fn at_with(&self, receiver: &Receiver<f32>, sight: &mut V) -> Bracket<L::Colour>
+    where
+        V: Visibility,
+    {
+        self.at_among(&self.scene, receiver, sight)
+    }
+
+    /// As [`at_with`](Self::at_with), looking in another scene with the same
+    /// emitters: the one with its occluders, where the light's own has codes in
+    /// place of them.
+    pub fn at_among<W: Visibility>(
+        &self,
+        scene: &Scene<'_>,
+        receiver: &Receiver<f32>,
+        sight: &mut W,
+    ) -> Bracket<L::Colour> {
         let mut sum = Bracket::exactly(L::Colour::DARK);
         for (index, state) in self.emitters.iter().enumerate() {
             if state.shot != L::DARK {
-                let scene = &self.scene;
-                sum = sum.plus(scene.received::<A, L, V>(receiver, index, state.shot, sight));
+                sum = sum.plus(scene.received::<A, L, W>(receiver, index, state.shot, sight));
             }
         }
         let lit = |value: f32| if value > 0.0 { value } else { 0.0 };
@@ -304,59 +292,6 @@ where
         }
     }
 
-    /// Radiosity of an emitter that it has not yet shot.
-    ///
-    /// In tables of an impossible scene more may arrive than was sent, and
-    /// grow: it is held where every sum of it is finite. A constant radiosity is
-    /// not below 0, which only rounding makes it; a linear one may be in a
-    /// channel where its samples' fit is.
-    fn unshot(&self, index: usize) -> L {
-        let Some(state) = self.emitters.get(index) else {
-            return L::DARK;
-        };
-        let exitance = L::uniform(self.scene.exitance(index));
-        let lowest = if L::COEFFICIENTS == 1 {
-            0.0
-        } else {
-            -BRIGHTEST
-        };
-        let held = |value: f32| {
-            if value > BRIGHTEST {
-                BRIGHTEST
-            } else if value > lowest {
-                value
-            } else {
-                lowest
-            }
-        };
-        exitance
-            .zip(self.reflected(index), Colour::plus)
-            .zip(state.shot, |all, shot| {
-                all.zip(shot, |all, shot| held(all - shot))
-            })
-    }
-
-    /// ρ times the irradiance of the emitter's members: their mean, or what
-    /// their weights make of it.
-    fn reflected(&self, index: usize) -> L {
-        let Some(emitter) = self.scene.emitters().get(index) else {
-            return L::DARK;
-        };
-        if emitter.members == 0 {
-            return L::DARK;
-        }
-        let mut sum = L::DARK;
-        for (sample, weights) in self.scene.members_of(emitter) {
-            let irradiance = self.irradiance.get(sample).copied();
-            sum = sum.gather(irradiance.unwrap_or(L::Colour::DARK), weights);
-        }
-        let reflectance = self
-            .scene
-            .reflectance::<L::Colour>(emitter.surface as usize);
-        sum.gathered(emitter.members as usize)
-            .zip(L::DARK, |all, _| all.zip(reflectance, |e, rho| rho * e))
-    }
-
     /// Adds what every sample receives from this much radiosity.
     fn send(&mut self, index: usize, radiosity: L) {
         let scene = self.scene;
@@ -364,11 +299,14 @@ where
             return;
         };
         let is_luminaire = scene.is_luminaire(index);
+        let mut next = 0_u32;
         for (number, surface) in (0_u32..).zip(scene.surfaces()) {
+            let samples = scene.receivers(surface, is_luminaire);
+            let first = next;
+            next = next.saturating_add(samples.len() as u32);
             if number == emitter.surface {
                 continue; // a planar polygon does not light its own plane
             }
-            let samples = scene.receivers(surface, is_luminaire);
             self.form_factors = self.form_factors.saturating_add(samples.len() as u32);
             let places = scene.samples().get(samples.clone()).unwrap_or(&[]);
             let values = self.irradiance.get_mut(samples).unwrap_or_default();
@@ -377,8 +315,12 @@ where
                     return;
                 };
                 let receiver = Receiver::of_unit(surface.place(place), surface.normal.into());
-                let more = scene.received::<A, L, V>(&receiver, index, radiosity, sight);
-                *value = value.plus(more.middle());
+                let pair = Pair {
+                    emitter: index,
+                    receiver: first.wrapping_add(number as u32),
+                };
+                let more = sight.received::<A, L>(&scene, &receiver, pair, radiosity);
+                *value = value.plus(more);
             });
         }
         if let Some(state) = self.emitters.get_mut(index) {
@@ -392,7 +334,7 @@ impl<A, const SAMPLES: usize, const EMITTERS: usize, L, V> Shooting
 where
     A: Arithmetic<f32>,
     L: Luminance,
-    V: Visibility,
+    V: Transfer,
 {
     fn direct(&mut self) -> u32 {
         Light::direct(self)
@@ -406,7 +348,14 @@ where
         Light::shoot(self).is_some()
     }
 
-    fn is_above(&self, fraction: f32) -> bool {
-        self.unshot_fraction() > fraction
+    fn shoot_above(&mut self, fraction: f32) -> bool {
+        // One look over the emitters for both: with codes it costs as much as a
+        // shot.
+        let left = self.left();
+        let Some(index) = left.brightest.filter(|_| left.fraction > fraction) else {
+            return false;
+        };
+        self.send(index, self.unshot(index));
+        true
     }
 }

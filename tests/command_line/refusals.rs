@@ -196,7 +196,7 @@ fn rungs_on_the_command_line() {
     let ladders = [
         ("--arithmetic", "q29"),
         ("--emitters", "layer-cake"),
-        ("--transfer", "codes"),
+        ("--transfer", "matrix"),
         ("--placement", "error"),
         ("--reconstruction", "tensor"),
     ];

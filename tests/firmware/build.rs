@@ -8,7 +8,7 @@
 //! | `ISOLUX_TABLES` | path of the baked tables (bytes) |
 //! | `ISOLUX_RESOLUTION` | rows and columns of each resampled grid |
 //! | `ISOLUX_ARITHMETIC` | rung of the arithmetic ladder |
-//! | `ISOLUX_VISIBILITY` | rung of visibility where something occludes: `exact`, `vertex-rays` |
+//! | `ISOLUX_VISIBILITY` | rung of visibility where something occludes: `exact`, `vertex-rays`; of no effect on tables with codes |
 //! | `ISOLUX_STOP` | `below FRACTION SHOTS`, `shots N` or `reflections N` |
 //!
 //! `ISOLUX_EVALUATIONS` is how many form factors a rung the program `hashes`
@@ -142,8 +142,9 @@ fn luminance(counts: &Counts) -> String {
     format!("isolux::luminance::{form}<{colour}>")
 }
 
-/// The kernel's type of visibility for these tables, and an empty workspace.
-fn visibility(counts: &Counts, sight: &Sight) -> Result<[String; 2], String> {
+/// The kernel's type of transfer for these tables, codes where they have them and
+/// else a rung of visibility, and an empty workspace.
+fn transfer(counts: &Counts, sight: &Sight) -> Result<[String; 2], String> {
     let rung = variable("ISOLUX_VISIBILITY").unwrap_or_else(|| "exact".to_owned());
     let Sight {
         vertices,
@@ -152,12 +153,14 @@ fn visibility(counts: &Counts, sight: &Sight) -> Result<[String; 2], String> {
         blockers,
     } = sight;
     match rung.as_str() {
-        _ if counts.occluders == 0 => Ok(["Unoccluded"; 2].map(str::to_owned)),
+        // What is seen is in the tables.
+        _ if counts.codes > 0 => Ok(["transfer::Codes"; 2].map(str::to_owned)),
+        _ if counts.occluders == 0 => Ok(["visibility::Unoccluded"; 2].map(str::to_owned)),
         "exact" => Ok([
-            format!("Exact<{vertices}, {pieces}, {lines}, {blockers}>"),
-            "Exact::new()".to_owned(),
+            format!("visibility::Exact<{vertices}, {pieces}, {lines}, {blockers}>"),
+            "visibility::Exact::new()".to_owned(),
         ]),
-        "vertex-rays" => Ok(["VertexRays"; 2].map(str::to_owned)),
+        "vertex-rays" => Ok(["visibility::VertexRays"; 2].map(str::to_owned)),
         _ => Err(format!(
             "ISOLUX_VISIBILITY is \"{rung}\"; the firmware knows exact, vertex-rays"
         )),
@@ -166,17 +169,17 @@ fn visibility(counts: &Counts, sight: &Sight) -> Result<[String; 2], String> {
 
 /// The lines of the job that light in floating point asks for besides.
 fn light(counts: &Counts, sight: &Sight) -> Result<[String; 9], String> {
-    let [visibility, looking] = visibility(counts, sight)?;
+    let [transfer, looking] = transfer(counts, sight)?;
     Ok([
         "/// How radiosity varies over an emitter, and its channels.".to_owned(),
         format!("pub(crate) type Luminance = {};", luminance(counts)),
         "/// What the workspace of visibility holds.".to_owned(),
         "pub(crate) const SIGHT: isolux::scene::records::Sight =".to_owned(),
         format!("    isolux::scene::records::{sight:?};"),
-        "/// The rung of visibility.".to_owned(),
-        format!("pub(crate) type Visibility = isolux::visibility::{visibility};"),
+        "/// The rung of transfer: how what a sample receives is had.".to_owned(),
+        format!("pub(crate) type Transfer = isolux::{transfer};"),
         "/// Its workspace, empty.".to_owned(),
-        format!("pub(crate) const LOOKING: Visibility = isolux::visibility::{looking};"),
+        format!("pub(crate) const LOOKING: Transfer = isolux::{looking};"),
     ])
 }
 

@@ -350,6 +350,10 @@ impl Content {
         words.as_mut_bytes().copy_from_slice(&bytes);
         let field = offset_of!(Header, checksum) / 4;
         words[field] = checksum(words[field + 1..].as_bytes());
-        Ok(Tables { words, counts })
+        Ok(Tables {
+            words,
+            counts,
+            computed: None,
+        })
     }
 }

@@ -3,6 +3,7 @@
 //! The format is specified with [`isolux::scene`]. Baking the same plan twice
 //! gives the same bytes.
 
+mod codes;
 pub mod integers;
 mod survey;
 
@@ -31,9 +32,18 @@ pub struct Tables {
     words: Vec<u32>,
     /// How many there are of everything.
     pub counts: Counts,
+    /// The same scene with its occluders, where these have codes in place of
+    /// them: what the host looks with at places that no code was written for.
+    computed: Option<Box<Tables>>,
 }
 
 impl Tables {
+    /// The tables that any place can be looked at with: these, or where these
+    /// have codes the same scene with its occluders.
+    pub fn computed(&self) -> &Self {
+        self.computed.as_deref().unwrap_or(self)
+    }
+
     /// Writes the capacities that visibility was planned for.
     fn set_sight(&mut self, sight: Sight) {
         let field = offset_of!(Header, sight);
@@ -81,30 +91,26 @@ const TOLERANCE: f64 = 1e-6;
 /// # Errors
 /// [`TooLarge`] where a count does not fit the tables.
 pub fn bake(scene: &Scene, plan: &Plan, occlusion: Option<Occlusion>) -> Result<Tables, TooLarge> {
-    let mut content = Content::new(scene, plan, occlusion);
-    for (surface, planned) in scene.surfaces.iter().zip(&plan.surfaces) {
-        content.surface(surface, planned);
-    }
-    for (index, surface) in scene.surfaces.iter().enumerate() {
-        if surface.emits() {
-            content.luminaire(index, surface, &plan.surfaces[index])?;
-        }
-    }
-    let mut first_sample = 0;
-    for (index, planned) in plan.surfaces.iter().enumerate() {
-        for band in &planned.bands {
-            content.band(index, planned, band, first_sample)?;
-        }
-        for patch in &planned.patches {
-            content.patch(index, planned, patch, first_sample)?;
-        }
-        first_sample += planned.samples.len();
-    }
-    let mut tables = content.into_tables(scene)?;
-    if tables.counts.occluders > 0 {
-        let sight = survey::sight(&tables, &scene.points);
-        tables.set_sight(sight);
-    }
+    Content::of(scene, plan, occlusion)?.surveyed(scene)
+}
+
+/// Bakes a planned scene of linear patches with codes in place of its occluders.
+///
+/// Every sample is looked at once from every emitter: that takes longer than a
+/// solve.
+///
+/// # Errors
+/// [`TooLarge`] where a count does not fit the tables.
+pub fn bake_coded(
+    scene: &Scene,
+    plan: &Plan,
+    occlusion: Option<Occlusion>,
+) -> Result<Tables, TooLarge> {
+    let mut content = Content::of(scene, plan, occlusion)?;
+    let computed = content.surveyed(scene)?;
+    content.replace_occluders(codes::of(&computed));
+    let mut tables = content.tables(scene)?;
+    tables.computed = Some(Box::new(computed));
     Ok(tables)
 }
 
@@ -128,9 +134,53 @@ struct Content {
     samples: Vec<[f32; 2]>,
     weights: Vec<f32>,
     members: Vec<u16>,
+    codes: codes::Codes,
 }
 
 impl Content {
+    fn of(scene: &Scene, plan: &Plan, occlusion: Option<Occlusion>) -> Result<Self, TooLarge> {
+        let mut content = Self::new(scene, plan, occlusion);
+        for (surface, planned) in scene.surfaces.iter().zip(&plan.surfaces) {
+            content.surface(surface, planned);
+        }
+        for (index, surface) in scene.surfaces.iter().enumerate() {
+            if surface.emits() {
+                content.luminaire(index, surface, &plan.surfaces[index])?;
+            }
+        }
+        let mut first_sample = 0;
+        for (index, planned) in plan.surfaces.iter().enumerate() {
+            for band in &planned.bands {
+                content.band(index, planned, band, first_sample)?;
+            }
+            for patch in &planned.patches {
+                content.patch(index, planned, patch, first_sample)?;
+            }
+            first_sample += planned.samples.len();
+        }
+        Ok(content)
+    }
+
+    /// The tables, with what a workspace must hold to look with them.
+    fn surveyed(&self, scene: &Scene) -> Result<Tables, TooLarge> {
+        let mut tables = self.tables(scene)?;
+        if tables.counts.occluders > 0 {
+            let sight = survey::sight(&tables, &scene.points);
+            tables.set_sight(sight);
+        }
+        Ok(tables)
+    }
+
+    /// Codes say what the lists of occluders did.
+    fn replace_occluders(&mut self, codes: codes::Codes) {
+        self.occlusion = None;
+        self.blockers.clear();
+        for shape in &mut self.shapes {
+            (shape.first_blocker, shape.blockers) = (0, 0);
+        }
+        self.codes = codes;
+    }
+
     fn new(scene: &Scene, plan: &Plan, occlusion: Option<Occlusion>) -> Self {
         Self {
             channels: requirements(scene).channels,
@@ -148,6 +198,7 @@ impl Content {
             samples: Vec::new(),
             weights: Vec::new(),
             members: Vec::new(),
+            codes: codes::Codes::default(),
         }
     }
 
@@ -336,6 +387,8 @@ impl Content {
             samples: count(self.samples.len(), "samples")?,
             members: count(self.members.len(), "members")?,
             weights: count(self.weights.len(), "weights")?,
+            codes: count(self.codes.pairs, "codes")?,
+            fractions: count(self.codes.fractions.len(), "codes")?,
         })
     }
 
@@ -344,7 +397,7 @@ impl Content {
         occlusion.map_or_else(Occluders::default, Occlusion::records)
     }
 
-    fn into_tables(self, scene: &Scene) -> Result<Tables, TooLarge> {
+    fn tables(&self, scene: &Scene) -> Result<Tables, TooLarge> {
         let counts = self.counts()?;
         let header = Header {
             magic: MAGIC,
@@ -373,10 +426,18 @@ impl Content {
         bytes.extend_from_slice(self.samples.as_bytes());
         bytes.extend_from_slice(self.weights.as_bytes());
         bytes.extend_from_slice(self.members.as_bytes());
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+        bytes.extend_from_slice(self.codes.fractions.as_bytes());
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+        bytes.extend_from_slice(self.codes.words.as_bytes());
         bytes.resize(header.bytes as usize, 0);
         let mut words = vec![0_u32; bytes.len() / 4];
         words.as_mut_bytes().copy_from_slice(&bytes);
-        let mut tables = Tables { words, counts };
+        let mut tables = Tables {
+            words,
+            counts,
+            computed: None,
+        };
         tables.seal();
         Ok(tables)
     }

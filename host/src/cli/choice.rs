@@ -24,7 +24,8 @@ pub(super) struct RungArguments {
     /// (of rooms).
     #[arg(long, value_name = "RUNG")]
     emitters: Option<String>,
-    /// How emitter-to-receiver terms are had: exact.
+    /// How emitter-to-receiver terms are had: exact (the default), codes (written
+    /// beforehand: no occluder is on the device).
     #[arg(long, value_name = "RUNG")]
     transfer: Option<String>,
     /// How samples are placed: isolux.
@@ -52,7 +53,7 @@ const BUILT: [(&str, &[&str]); 6] = [
     ),
     ("visibility", &["none", "vertex-rays", "exact"]),
     ("emitters", &["isolux", "linear"]),
-    ("transfer", &["exact"]),
+    ("transfer", &["exact", "codes"]),
     ("placement", &["isolux"]),
     ("reconstruction", &["cone"]),
 ];
@@ -76,12 +77,22 @@ impl Emitters {
     }
 }
 
+/// How what a sample receives from an emitter is had on the device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Transfer {
+    /// It is computed, past the occluders in the tables.
+    Exact,
+    /// By codes that were written when the scene was baked.
+    Codes,
+}
+
 /// The rungs that a scene is solved with.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Choices {
     pub(super) arithmetic: FormFactorRung,
     pub(super) sight: Sight,
     pub(super) emitters: Emitters,
+    pub(super) transfer: Transfer,
 }
 
 /// Surfaces that reflect, above which light goes to and fro so much that a
@@ -117,8 +128,21 @@ pub(super) fn choices(
         }
     }
     let is_room = needs.visibility.is_some() || needs.reflectors.len() > OPEN;
+    let transfer = match rungs.transfer.as_deref() {
+        Some("codes") => Transfer::Codes,
+        _ => Transfer::Exact,
+    };
+    if transfer == Transfer::Codes {
+        agree("emitters", rungs.emitters.as_deref(), &["linear"])?;
+        agree(
+            "visibility",
+            rungs.visibility.as_deref(),
+            &["exact", "none"],
+        )?;
+    }
     let choices = Choices {
         arithmetic: arithmetic(rungs.arithmetic.as_deref())?,
+        transfer,
         sight: match rungs.visibility.as_deref() {
             Some("vertex-rays") => Sight::VertexRays,
             Some("none") => Sight::None,
@@ -129,12 +153,26 @@ pub(super) fn choices(
         emitters: match rungs.emitters.as_deref() {
             Some("linear") => Emitters::Linear,
             Some(_) => Emitters::Isolux,
-            None if is_room => Emitters::Linear,
+            None if is_room || transfer == Transfer::Codes => Emitters::Linear,
             None => Emitters::Isolux,
         },
     };
     integers_suffice(&choices, needs)?;
     Ok(choices)
+}
+
+/// Refuses a rung that codes cannot be written for.
+fn agree(ladder: &str, chosen: Option<&str>, with_codes: &[&str]) -> Result<(), Failure> {
+    match chosen {
+        Some(name) if !with_codes.contains(&name) => Err(Failure::limit(
+            format!("transfer `codes` cannot be had with {ladder} `{name}`"),
+            format!(
+                "take {ladder} `{}`, or transfer `exact`",
+                with_codes.join("` or `")
+            ),
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// Refuses an integer rung where light is what integers do not compute.

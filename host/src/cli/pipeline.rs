@@ -1,6 +1,6 @@
 //! The way from a scene file to a solved scene, shared by the commands.
 
-use super::choice::{self, Emitters, RungArguments};
+use super::choice::{self, Emitters, RungArguments, Transfer};
 use super::failure::Failure;
 use crate::bake::{self, Tables};
 use crate::occlusion::Occlusion;
@@ -92,7 +92,11 @@ pub(super) fn plan(
     let tables = if choices.arithmetic.is_integer() {
         bake::integers::bake(&scene, &plan).map_err(|error| Failure::limit(error, remedy))?
     } else {
-        bake::bake(&scene, &plan, occlusion).map_err(|error| Failure::limit(error, remedy))?
+        let baked = match choices.transfer {
+            Transfer::Exact => bake::bake(&scene, &plan, occlusion),
+            Transfer::Codes => bake::bake_coded(&scene, &plan, occlusion),
+        };
+        baked.map_err(|error| Failure::limit(error, remedy))?
     };
     let planned = Planned {
         scene,

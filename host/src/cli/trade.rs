@@ -30,6 +30,8 @@ pub(super) struct Arguments {
     /// Light in the scene is reflected at most so many times.
     #[arg(long, value_name = "N", default_value_t = 1, requires = "scene")]
     bounces: u32,
+    #[command(flatten)]
+    rungs: RungArguments,
 }
 
 #[derive(Serialize)]
@@ -55,7 +57,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     // A scene that cannot be and a directory that cannot be made are found out
     // before the work is done.
     // All rungs in floating point share one bake, whatever the scene asks for.
-    let mut every_rung = RungArguments::default();
+    let mut every_rung = arguments.rungs.clone();
     every_rung.arithmetic = Some(FormFactorRung::default().name().to_owned());
     let planned = match &arguments.scene {
         Some(path) => Some(pipeline::plan(pipeline::read(path)?, &every_rung, &[])?),

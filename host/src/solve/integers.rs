@@ -1,7 +1,7 @@
 //! The kernel in integers on the host, with its words for comparison and their
 //! values in W m⁻² for everything else.
 
-use super::{At, Channels, EMITTERS, Lit, SAMPLES};
+use super::{At, Channels, EMITTERS, Lit, Origin, Place, SAMPLES};
 use isolux::Error;
 use isolux::integers::{Format, Light, Scene};
 use isolux::shoot::{Solved, Stop};
@@ -44,9 +44,9 @@ impl<F: Format + Send + Sync> Lit for Light<'_, F, SAMPLES, EMITTERS> {
         Light::irradiance(self).to_vec()
     }
 
-    fn at(&self, receivers: &[([f32; 3], [f32; 3])]) -> Result<Vec<At>, Error> {
+    fn at(&self, _: &Origin<'_>, receivers: &[Place]) -> Result<Vec<At>, Error> {
         let unit = self.scene().header().irradiance;
-        let one = |&(position, normal): &([f32; 3], [f32; 3])| {
+        let one = |&(position, normal): &Place| {
             let receiver = self.scene().receiver(position, normal)?;
             Ok(At {
                 value: channels(Light::at(self, &receiver), unit),

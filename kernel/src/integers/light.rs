@@ -314,8 +314,8 @@ impl<F: Format, const SAMPLES: usize, const EMITTERS: usize> Shooting
         Light::shoot(self).is_some()
     }
 
-    fn is_above(&self, fraction: f32) -> bool {
-        i64::from(self.unshot_ratio()) > threshold(fraction)
+    fn shoot_above(&mut self, fraction: f32) -> bool {
+        i64::from(self.unshot_ratio()) > threshold(fraction) && Shooting::shoot(self)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Everything that is demanded of tables, once.
 
 use super::Scene;
-use super::records::{Counts, Loop, Surface, checksum};
+use super::records::{Counts, Loop, Sight, Surface, checksum};
 use crate::Error;
 use crate::error::What;
 use crate::visibility::records::Occluders;
@@ -64,6 +64,9 @@ pub(crate) fn header<'t, H: FromBytes + Immutable + KnownLayout>(
 pub(super) fn records(scene: &Scene<'_>) -> Result<(), Error> {
     numbers(What::Header, 0, non_negative(scene.header.tolerance))?;
     ranges(What::Header, 0, counts_agree(&scene.header.counts))?;
+    // Where nothing occludes no workspace is needed.
+    let sight = scene.header.sight == Sight::default();
+    ranges(What::Header, 0, sight || scene.header.counts.occluders > 0)?;
     surfaces(scene)?;
     emitters(scene)?;
     all(What::Reflectances, scene.reflectances, |&rho| {
@@ -97,7 +100,27 @@ pub(super) fn records(scene: &Scene<'_>) -> Result<(), Error> {
         let there = u32::from(member) < scene.header.counts.samples;
         ranges(What::Members, index, there)?;
     }
-    Ok(())
+    codes(scene)
+}
+
+/// One code or fraction for each pair, and no occluders beside them.
+fn codes(scene: &Scene<'_>) -> Result<(), Error> {
+    let counts = &scene.header.counts;
+    let pairs = |of_luminaires, emitters: u32| {
+        let receivers = |surface| scene.receivers(surface, of_luminaires).len() as u64;
+        let receivers: u64 = scene.surfaces.iter().map(receivers).sum();
+        receivers.saturating_mul(u64::from(emitters))
+    };
+    let secondary = counts.emitters.saturating_sub(counts.luminaires);
+    let coded = counts.codes > 0;
+    let sound = !coded
+        || (u64::from(counts.codes) == pairs(false, secondary)
+            && counts.coefficients == 3
+            && counts.occluders == 0);
+    ranges(What::Codes, 0, sound)?;
+    let direct = u64::from(counts.fractions);
+    let sound = direct == 0 || (coded && direct == pairs(true, counts.luminaires));
+    ranges(What::Fractions, 0, sound)
 }
 
 /// Whether the sections that belong together are equally long.

@@ -5,7 +5,7 @@
 //! length; after that nothing can fail. The records are in [`records`]; the
 //! whole format:
 //!
-//! # Format, version 2
+//! # Format, version 3
 //!
 //! Little-endian, 4-byte aligned, no padding but where said. A header
 //! ([`records::Header`]) gives the counts; then follow, without gaps,
@@ -28,6 +28,8 @@
 //! | samples | `[f32; 2]`, metres in the surface's frame | 8 |
 //! | weights | `f32`, one a coefficient of every member | 4 |
 //! | members | `u16` sample indices, padded to 4 bytes with 0 | 2 |
+//! | fractions | `u16`, visible fractions in 65 535ths, padded to 4 bytes with 0 | 2 |
+//! | codes | [`Code`], 8 a word, the first in the lowest bits, padded with 0 | ½ |
 //!
 //! Luminaires come first among the emitters and have no members. A secondary
 //! emitter reflects, with its surface's reflectance, what its members receive:
@@ -36,12 +38,19 @@
 //! Shapes and corners are there where radiosities are linear or something
 //! occludes; loops are then convex. Samples are ordered by surface, and on a
 //! surface by what they receive.
+//!
+//! Tables with codes hold no occluders: what each sample sees of each emitter is
+//! written in the fractions (luminaires) and codes (what reflects). Both are
+//! ordered by emitter, and for one emitter by receiver; where there are codes
+//! but no fractions, every luminaire is seen whole.
 
 pub(crate) mod check;
+mod coded;
 mod received;
 pub mod records;
 
 pub(crate) use check::BRIGHTEST;
+pub use coded::{Code, Method};
 
 use crate::Error;
 use crate::error::What;
@@ -55,7 +64,7 @@ use records::{Counts, Emitter, Header, Loop, Shape, Sight, Surface};
 use zerocopy::FromBytes;
 
 /// The version of the format that this kernel reads.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 /// The first eight bytes of every table.
 pub const MAGIC: [u8; 8] = *b"isolux\r\n";
@@ -86,6 +95,8 @@ pub struct Scene<'t> {
     samples: &'t [[f32; 2]],
     weights: &'t [f32],
     members: &'t [u16],
+    fractions: &'t [u16],
+    codes: &'t [u32],
 }
 
 /// Splits `count` records off the front of `bytes`.
@@ -122,6 +133,8 @@ impl<'t> Scene<'t> {
         samples: &[],
         weights: &[],
         members: &[],
+        fractions: &[],
+        codes: &[],
     };
 
     /// Reads and checks baked tables in place; nothing is copied.
@@ -152,7 +165,9 @@ impl<'t> Scene<'t> {
         let (blockers, rest) = section::<Blocker>(rest, counts.blockers)?;
         let (samples, rest) = section::<[f32; 2]>(rest, counts.samples)?;
         let (weights, rest) = section::<f32>(rest, counts.weights)?;
-        let (members, _) = section::<u16>(rest, counts.members)?;
+        let (members, rest) = section::<u16>(rest, even(counts.members))?;
+        let (fractions, rest) = section::<u16>(rest, even(counts.fractions))?;
+        let (codes, _) = section::<u32>(rest, counts.codes.div_ceil(coded::A_WORD))?;
         let scene = Self {
             header,
             surfaces,
@@ -173,7 +188,9 @@ impl<'t> Scene<'t> {
             blockers,
             samples,
             weights,
-            members,
+            members: slice(members, 0, counts.members),
+            fractions: slice(fractions, 0, counts.fractions),
+            codes,
         };
         check::records(&scene)?;
         Ok(scene)
@@ -352,10 +369,15 @@ pub(crate) fn slice<T>(all: &[T], first: u32, count: u32) -> &[T] {
         .unwrap_or(&[])
 }
 
+/// Half-words with their padding to whole words; the last number of all, which
+/// no table reaches, stays as it is.
+const fn even(half_words: u32) -> u32 {
+    half_words.saturating_add(half_words % 2)
+}
+
 /// Bytes of tables with these counts: what a bake writes and
 /// [`Scene::load`] demands. `None` where they exceed 4 GiB.
 pub const fn required_bytes(counts: &Counts) -> Option<u32> {
-    let members = counts.members as u64 + counts.members as u64 % 2;
     let channels = counts.channels as u64;
     // No product of two 32-bit numbers and no record's size comes near 2^64.
     let sections = [
@@ -374,7 +396,9 @@ pub const fn required_bytes(counts: &Counts) -> Option<u32> {
         (counts.blockers as u64, size_of::<Blocker>() as u64),
         (counts.samples as u64, size_of::<[f32; 2]>() as u64),
         (counts.weights as u64, size_of::<f32>() as u64),
-        (members, size_of::<u16>() as u64),
+        (even(counts.members) as u64, size_of::<u16>() as u64),
+        (even(counts.fractions) as u64, size_of::<u16>() as u64),
+        (counts.codes.div_ceil(coded::A_WORD) as u64, 4),
     ];
     let mut bytes = size_of::<Header>() as u64;
     let mut rest: &[(u64, u64)] = &sections;

@@ -5,7 +5,7 @@ use crate::form_factor::{self, Arithmetic, Outline, SeenPlane};
 use crate::geometry::{Plane, Receiver, Vector};
 use crate::luminance::{self, Colour, Luminance, View};
 use crate::number::Root;
-use crate::scene::records::{Emitter, Shape};
+use crate::scene::records::{Emitter, Shape, Surface};
 use crate::visibility::records::{Blocker, Target};
 use crate::visibility::{Bracket, Looked, Piece, Sum, Visibility};
 use core::marker::PhantomData;
@@ -37,28 +37,11 @@ impl<'t> Scene<'t> {
             let factor = self.form_factor::<A>(receiver, emitter);
             return Bracket::exactly(radiosity.received(factor, || [0.0; 2]));
         }
-        let (Some((surface, plane)), Some(shape)) = (self.plane_facing(receiver, emitter), shape)
-        else {
+        let (Some(facing), Some(shape)) = (self.facing(receiver, emitter), shape) else {
             return dark;
         };
-        let height = plane.height(receiver.position());
-        if height <= 0.0 {
-            return dark;
-        }
-        let axes = [&surface.axis_u, &surface.axis_v].map(|&axis| Vector::from(axis) * shape.scale);
-        let origin = surface.place(shape.center);
-        let seen = SeenPlane {
-            origin: origin - receiver.position(),
-            axes,
-            facing: plane.normal,
-            normal: receiver.normal(),
-        };
-        let whole = Whole {
-            receiver,
-            plane: &plane,
-            view: View::new(&seen, shape.scale, height),
-            is_luminaire: self.is_luminaire(index),
-        };
+        let (origin, axes) = facing.frame(shape);
+        let whole = facing.whole(receiver, shape, self.is_luminaire(index));
         let mut total = dark;
         for (outline, corners) in self.loops_of(emitter).zip(self.corners_of(emitter)) {
             if !occluded {
@@ -69,7 +52,7 @@ impl<'t> Scene<'t> {
             let target = Target {
                 origin: origin.into(),
                 axes: axes.map(Into::into),
-                normal: plane.normal.into(),
+                normal: facing.plane.normal.into(),
                 radius: shape.scale,
                 corners,
             };
@@ -92,8 +75,23 @@ impl<'t> Scene<'t> {
         slice(self.blockers, shape.first_blocker, shape.blockers)
     }
 
+    /// An emitter's plane, where a receiver is in front of it and not in it.
+    #[inline(always)]
+    pub(super) fn facing(&self, receiver: &Receiver<f32>, emitter: &Emitter) -> Option<Facing<'t>> {
+        let (surface, plane) = self.plane_facing(receiver, emitter)?;
+        let height = plane.height(receiver.position());
+        (height > 0.0).then_some(Facing {
+            surface,
+            plane,
+            height,
+        })
+    }
+
     /// The corners of an emitter's loops, in its own coordinates.
-    fn corners_of(&self, emitter: &Emitter) -> impl Iterator<Item = &'t [[f32; 2]]> + use<'t> {
+    pub(super) fn corners_of(
+        &self,
+        emitter: &Emitter,
+    ) -> impl Iterator<Item = &'t [[f32; 2]]> + use<'t> {
         let corners = self.corners;
         slice(self.loops, emitter.first_loop, emitter.loops)
             .iter()
@@ -101,16 +99,64 @@ impl<'t> Scene<'t> {
     }
 }
 
+/// An emitter's plane with a receiver in front of it.
+pub(super) struct Facing<'t> {
+    surface: &'t Surface,
+    plane: Plane<f32>,
+    /// The receiver's height over it in metres.
+    pub(super) height: f32,
+}
+
+impl Facing<'_> {
+    /// The origin and the axes of an emitter's own coordinates, in metres.
+    #[inline(always)]
+    fn frame(&self, shape: &Shape) -> (Vector<f32>, [Vector<f32>; 2]) {
+        let axes = [&self.surface.axis_u, &self.surface.axis_v];
+        (
+            self.surface.place(shape.center),
+            axes.map(|&axis| Vector::from(axis) * shape.scale),
+        )
+    }
+
+    /// The centroid of an emitter, in metres.
+    #[inline(always)]
+    pub(super) fn center(&self, shape: &Shape) -> Vector<f32> {
+        self.surface.place(shape.center)
+    }
+
+    #[inline(always)]
+    pub(super) fn whole<'a>(
+        &'a self,
+        receiver: &'a Receiver<f32>,
+        shape: &Shape,
+        is_luminaire: bool,
+    ) -> Whole<'a> {
+        let (origin, axes) = self.frame(shape);
+        let seen = SeenPlane {
+            origin: origin - receiver.position(),
+            axes,
+            facing: self.plane.normal,
+            normal: receiver.normal(),
+        };
+        Whole {
+            receiver,
+            plane: &self.plane,
+            view: View::new(&seen, shape.scale, self.height),
+            is_luminaire,
+        }
+    }
+}
+
 /// An emitter as a receiver in front of its plane sees it.
-struct Whole<'a> {
+pub(super) struct Whole<'a> {
     receiver: &'a Receiver<f32>,
     plane: &'a Plane<f32>,
-    view: View,
+    pub(super) view: View,
     is_luminaire: bool,
 }
 
 impl Whole<'_> {
-    fn form_factor<A: Arithmetic<f32>>(&self, outline: Outline<'_, f32>) -> f32 {
+    pub(super) fn form_factor<A: Arithmetic<f32>>(&self, outline: Outline<'_, f32>) -> f32 {
         let outlines = core::iter::once(outline);
         form_factor::of_loops::<A, f32>(self.receiver, self.plane, outlines)
     }
@@ -243,7 +289,7 @@ fn positive(x: f32) -> f32 {
 }
 
 /// The mean of the corners.
-fn middle(corners: &[[f32; 2]]) -> [f32; 2] {
+pub(super) fn middle(corners: &[[f32; 2]]) -> [f32; 2] {
     let (mut sum, mut count) = ([0.0; 2], 0.0);
     for [a, b] in corners {
         sum = [sum[0] + a, sum[1] + b];

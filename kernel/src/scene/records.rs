@@ -101,6 +101,12 @@ pub struct Counts {
     /// Weights: as many as coefficients for each member where there are three,
     /// else none.
     pub weights: u32,
+    /// Codes: one for each secondary emitter and each sample that receives
+    /// reflected light, or none.
+    pub codes: u32,
+    /// Visible fractions: one for each luminaire and each sample that receives
+    /// direct light, or none.
+    pub fractions: u32,
 }
 
 impl Counts {
@@ -123,6 +129,8 @@ impl Counts {
         samples: 0,
         members: 0,
         weights: 0,
+        codes: 0,
+        fractions: 0,
     };
 }
 

@@ -52,8 +52,9 @@ pub(crate) trait Shooting {
     /// One shot of the emitter with the largest unshot power; whether there was
     /// one.
     fn shoot(&mut self) -> bool;
-    /// Whether the unshot power is above this fraction of the emitted power.
-    fn is_above(&self, fraction: f32) -> bool;
+    /// As [`shoot`](Self::shoot), if the unshot power is above this fraction of the
+    /// emitted power.
+    fn shoot_above(&mut self, fraction: f32) -> bool;
 }
 
 /// Lights a scene from darkness until `stop`; the number of shots.
@@ -79,7 +80,7 @@ pub(crate) fn until(stop: Stop, light: &mut impl Shooting) -> u32 {
             fraction,
             shots: limit,
         } => {
-            while shots < limit && light.is_above(fraction) && light.shoot() {
+            while shots < limit && light.shoot_above(fraction) {
                 shots = shots.saturating_add(1);
             }
         }

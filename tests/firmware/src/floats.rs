@@ -21,7 +21,7 @@ pub(crate) type Light = isolux::shoot::Light<
     SAMPLES,
     EMITTERS,
     job::Luminance,
-    job::Visibility,
+    job::Transfer,
 >;
 
 /// What a sample receives, in every channel.
@@ -35,12 +35,12 @@ pub(crate) const WORDS: usize = Value::CHANNELS;
 
 // What the budget sheet promises is what the state takes.
 const _: () = assert!(
-    size_of::<Light>() == budget::light_bytes(&COUNTS) + size_of::<job::Visibility>(),
+    size_of::<Light>() == budget::light_bytes(&COUNTS) + size_of::<job::Transfer>(),
     "budget::light_bytes is not the size of Light on this target"
 );
 const _: () = assert!(
-    size_of::<job::Visibility>() == 0
-        || size_of::<job::Visibility>() == budget::sight_bytes(&job::SIGHT),
+    size_of::<job::Transfer>() == 0
+        || size_of::<job::Transfer>() == budget::sight_bytes(&job::SIGHT),
     "budget::sight_bytes is not the size of the workspace on this target"
 );
 

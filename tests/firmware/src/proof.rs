@@ -34,12 +34,13 @@ mod entries {
     };
     use isolux::geometry::{Plane, Receiver};
     use isolux::integers;
-    use isolux::luminance::Constant;
+    use isolux::luminance::{Constant, Linear};
     use isolux::number::{self, Root, SoftRoot};
     use isolux::resample::{self, Filtered, Row};
     use isolux::scene::records::{self, Counts, Emitter, Surface};
     use isolux::scene::{Scene, required_bytes};
     use isolux::shoot::{self, Solved, Stop};
+    use isolux::transfer::Codes;
     use isolux::visibility::records::{Blocker, Occluders, Target};
     use isolux::visibility::{Bracket, Exact, Gathered, VertexRays, Visibility};
     use isolux::{Error, budget};
@@ -64,6 +65,7 @@ mod entries {
     type ShortLight<'t> = integers::Light<'t, Q24, 64, 16>;
     type BestLight<'t> = Light<'t, Best<Chosen>>;
     type LibmLight<'t> = Light<'t, Libm<Chosen>>;
+    type CodedLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Linear<f32>, Codes>;
 
     type Workspace = Exact<8, 4, 24, 6>;
 
@@ -216,6 +218,12 @@ mod entries {
             light.shoot()
         }
         fn isolux_entry_light_solve(light: &mut BestLight<'static>, stop: Stop) -> Solved {
+            light.solve(stop)
+        }
+        fn isolux_entry_light_new_coded(scene: Scene<'static>) -> Result<CodedLight<'static>, Error> {
+            CodedLight::new(scene)
+        }
+        fn isolux_entry_light_solve_coded(light: &mut CodedLight<'static>, stop: Stop) -> Solved {
             light.solve(stop)
         }
         fn isolux_entry_light_solve_libm(light: &mut LibmLight<'static>, stop: Stop) -> Solved {

@@ -1,0 +1,173 @@
+//! A room's exact transfer, and the light of every luminaire in it.
+
+use super::{Place, Rung, Workspace};
+use isolux::geometry::Receiver;
+use isolux::luminance::{Constant, Linear, Rgb};
+use isolux::scene::Scene;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// The form factor of what is seen of an emitter.
+pub(super) fn seen(scene: &Scene<'_>, emitter: usize, receiver: &Receiver<f32>) -> f32 {
+    let mut sight = Workspace::new();
+    let one = Constant(1.0_f32);
+    let bracket = scene.received::<Rung, _, _>(receiver, emitter, one, &mut sight);
+    bracket.middle()
+}
+
+/// A term as the coefficients of a linear radiosity make it: E = Σ t_k B_k.
+pub(super) type Term = [f32; 3];
+
+/// Radiosities whose channels are the coefficients, so that what is received is
+/// the term.
+pub(super) const UNIT: Linear<Rgb> = Linear {
+    mean: Rgb([1.0, 0.0, 0.0]),
+    gradient: [Rgb([0.0, 1.0, 0.0]), Rgb([0.0, 0.0, 1.0])],
+};
+
+pub(super) fn received(term: &Term, radiosity: &[f64; 3]) -> f64 {
+    let parts = term.iter().zip(radiosity);
+    parts.map(|(&term, b)| f64::from(term) * b).sum()
+}
+
+/// One luminaire's light in one channel.
+pub(super) struct Light {
+    /// Of every patch.
+    pub(super) radiosity: Vec<[f64; 3]>,
+    /// What every sample with reflected light receives, direct light included.
+    pub(super) irradiance: Vec<f64>,
+}
+
+/// A room's exact transfer, and its light.
+pub(super) struct Room<'a> {
+    pub(super) scene: &'a Scene<'a>,
+    pub(super) places: &'a [Place],
+    /// By sample with reflected light, then by patch.
+    pub(super) terms: Vec<Vec<Term>>,
+}
+
+impl<'a> Room<'a> {
+    pub(super) fn new(scene: &'a Scene<'a>, places: &'a [Place]) -> Self {
+        let reflected: Vec<&Place> = places.iter().filter(|place| place.reflected).collect();
+        let patches = scene.counts().luminaires as usize..scene.emitters().len();
+        let of_sample = |place: &&Place| -> Vec<Term> {
+            let mut sight = Workspace::new();
+            let mut term = |patch| {
+                let receiver = place.receiver.as_ref()?;
+                let found = scene.received::<Rung, _, _>(receiver, patch, UNIT, &mut sight);
+                Some(found.middle().0)
+            };
+            let patches = patches.clone();
+            patches.map(|p| term(p).unwrap_or_default()).collect()
+        };
+        let terms = reflected.par_iter().map(of_sample).collect();
+        Self {
+            scene,
+            places,
+            terms,
+        }
+    }
+
+    pub(super) fn patches(&self) -> Range<usize> {
+        self.scene.counts().luminaires as usize..self.scene.emitters().len()
+    }
+
+    /// Every luminaire alone, in every channel alone.
+    pub(super) fn lights(&self) -> Vec<Light> {
+        let channels = self.scene.counts().channels as usize;
+        (0..self.scene.counts().luminaires as usize)
+            .flat_map(|luminaire| {
+                let of_place = |place: &Place| {
+                    let receiver = place.receiver.as_ref();
+                    receiver.map_or(0.0, |receiver| seen(self.scene, luminaire, receiver).into())
+                };
+                let direct: Vec<f64> = self.places.par_iter().map(of_place).collect();
+                (0..channels)
+                    .filter_map(move |channel| self.light(luminaire, channel, &direct))
+                    .collect::<Vec<Light>>()
+            })
+            .collect()
+    }
+
+    /// The light of a luminaire in a channel, its exitance 1: B = ρ W (D + T B)
+    /// until it changes no more. `None` where the luminaire is dark.
+    fn light(&self, luminaire: usize, channel: usize, direct: &[f64]) -> Option<Light> {
+        let of_channel = |all: Rgb| all.0[channel];
+        let exitance = match self.scene.counts().channels {
+            1 => self.scene.exitance::<f32>(luminaire),
+            _ => of_channel(self.scene.exitance::<Rgb>(luminaire)),
+        };
+        if exitance <= 0.0 {
+            return None;
+        }
+        let mut light = Light {
+            radiosity: vec![[0.0; 3]; self.patches().len()],
+            irradiance: Vec::new(),
+        };
+        let reflected_direct: Vec<f64> = (self.places.iter().zip(direct))
+            .filter(|(place, _)| place.reflected)
+            .map(|(_, &direct)| direct)
+            .collect();
+        // Nothing is reflected in the first round.
+        let mut before = -1.0;
+        for _ in 0..ROUNDS {
+            let reflected = self.reflected(&light.radiosity);
+            light.irradiance = (reflected.iter().zip(&reflected_direct))
+                .map(|(reflected, direct)| reflected + direct)
+                .collect();
+            light.radiosity = self.radiosity(channel, direct, &reflected);
+            let now: f64 = reflected.iter().sum();
+            if now - before <= SETTLED * now {
+                break;
+            }
+            before = now;
+        }
+        Some(light)
+    }
+
+    /// What every sample with reflected light receives of it.
+    fn reflected(&self, radiosity: &[[f64; 3]]) -> Vec<f64> {
+        let of_sample = |terms: &Vec<Term>| {
+            let pairs = terms.iter().zip(radiosity);
+            pairs.map(|(term, b)| received(term, b)).sum()
+        };
+        self.terms.par_iter().map(of_sample).collect()
+    }
+
+    /// What every patch reflects of what its samples receive.
+    fn radiosity(&self, channel: usize, direct: &[f64], reflected: &[f64]) -> Vec<[f64; 3]> {
+        let mut reflected = reflected.iter();
+        let all: Vec<f64> = (self.places.iter().zip(direct))
+            .map(|(place, &direct)| {
+                let mut sum = if place.direct { direct } else { 0.0 };
+                if place.reflected {
+                    sum += reflected.next().copied().unwrap_or(0.0);
+                }
+                sum
+            })
+            .collect();
+        self.patches()
+            .map(|patch| {
+                let emitter = &self.scene.emitters()[patch];
+                let surface = emitter.surface as usize;
+                let rho = f64::from(match self.scene.counts().channels {
+                    1 => self.scene.reflectance::<f32>(surface),
+                    _ => self.scene.reflectance::<Rgb>(surface).0[channel],
+                });
+                let mut sum = [0.0; 3];
+                for (sample, weights) in self.scene.members_of(emitter) {
+                    for (sum, &weight) in sum.iter_mut().zip(weights) {
+                        *sum += rho * f64::from(weight) * all[sample];
+                    }
+                }
+                sum
+            })
+            .collect()
+    }
+}
+
+/// Reflections after which light is as settled as it gets.
+const ROUNDS: usize = 200;
+
+/// The change of all reflected light at which it is settled.
+const SETTLED: f64 = 1e-4;
