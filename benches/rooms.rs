@@ -30,7 +30,7 @@ mod room;
 
 use grid::grid;
 use isolux_host::report::{quantity, write_file};
-use measure::{Bounces, Direct, Many};
+use measure::{Bounces, Clutter, Direct, Many};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -133,15 +133,18 @@ fn many() -> String {
             "100 to 1000: times".to_owned(),
         ]),
     )];
-    for (name, blocks) in [("loose polygons", false), ("boxes", true)] {
-        let found: Vec<Many> = COUNTS.map(|n| measure::many(n, blocks)).into();
+    for (name, clutter) in [
+        ("boxes on the floor", Clutter::Furniture),
+        ("leaves before the light", Clutter::Leaves),
+    ] {
+        let found: Vec<Many> = COUNTS.map(|n| measure::many(n, clutter)).into();
         let times = found.iter().map(|m| quantity(1e6 * m.seconds));
         let ratio = |pair: &[Many]| quantity(pair[1].seconds / pair[0].seconds);
         rows.push(row(name, times.chain(found.windows(2).map(ratio))));
         let dash = ["-".to_owned(), "-".to_owned()];
         let brackets = found.iter().map(|m| m.inexact.to_string());
         rows.push(row(
-            &format!("{name}: brackets among {} points", measure::PLACES),
+            &format!("{name}: brackets among {} places", measure::PLACES),
             brackets.chain(dash),
         ));
     }

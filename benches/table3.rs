@@ -136,6 +136,10 @@ fn rows(columns: &[Column]) -> Vec<Vec<String>> {
         line("error (> 10 %), %", &over(3)),
         line("error (> 5 %), %", &over(2)),
         line("rms error, %", &|c| both(&c.errors, &|s| s.rms)),
+        line("error (> 15 %), %, border vertices drawn in", &|c| {
+            let errors = c.drawn_in.as_ref();
+            errors.map_or("-".to_owned(), |errors| both(errors, &|s| s.over[4]))
+        }),
         line("samples or vertices (floor)", &|c| c.on_floor.to_string()),
         line("samples or vertices (all others)", &|c| {
             c.elsewhere.to_string()

@@ -3,6 +3,7 @@
 use isolux_host::bake::{self, Tables};
 use isolux_host::occlusion::Occlusion;
 use isolux_host::plan::{self, Plan};
+use isolux_host::reference::{Reference, Reflections};
 use isolux_host::scene::{Scene, file};
 
 /// A scene of shipped text.
@@ -10,9 +11,14 @@ pub(crate) fn scene(name: &str, source: &str) -> Scene {
     file::parse(name, source).expect("a shipped scene is sound")
 }
 
-/// Patches of linear radiosity within the scene's own budget.
+/// Patches of linear radiosity within the scene's own budget, smaller where
+/// direct light asks for it.
 pub(crate) fn plan(scene: &Scene) -> Plan {
-    plan::patches::linear(scene, &scene.budget).expect("a shipped scene has a plan")
+    let direct = Reference::new(scene, Reflections::AtMost(0), &mut |_| {});
+    let direct = direct.expect("a shipped scene has a reference");
+    let mean = |[r, g, b]: [f64; 3]| (r + g + b) / 3.0;
+    let field = |places: &[_]| direct.light_at(places).into_iter().map(mean).collect();
+    plan::patches::linear(scene, &scene.budget, &field).expect("a shipped scene has a plan")
 }
 
 /// Its tables, for receivers on the surfaces and at the named points, with the

@@ -1,11 +1,11 @@
 //! The figures, in seconds of one thread.
 
-use super::clock::{least, once};
+use super::clock::{least, of_all};
 use super::directly::{direct as form_factors, placed};
 use super::lit::{self, Lit, Small};
-use super::random::Random;
+use super::random::{self, Random};
 use super::{published, room};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use isolux::geometry::Receiver;
 use isolux::shoot::Stop;
 use isolux::visibility::{Exact, Unoccluded, Visibility};
@@ -22,11 +22,11 @@ const POINTS: usize = 10_000;
 /// Points of a timed run with every emitter shining.
 const FEW_POINTS: usize = 1000;
 
-/// Points below a generated scene.
+/// Places on the floor of a generated scene.
 pub(crate) const PLACES: usize = 256;
 
-/// Room for a hundred occluders between a point and the light.
-type Workspace = Exact<32, 128, 512, 128>;
+/// Room for a thousand occluders between a point and the light.
+type Workspace = Exact<32, 512, 4096, 1024>;
 
 /// Direct light at a point.
 pub(crate) struct Direct {
@@ -58,7 +58,7 @@ pub(crate) struct Bounces {
 pub(crate) struct Many {
     /// Seconds a point.
     pub(crate) seconds: f64,
-    /// Points at which a workspace met its bounds.
+    /// Places at which a workspace met its bounds.
     pub(crate) inexact: usize,
 }
 
@@ -132,8 +132,8 @@ pub(crate) fn direct(name: &str) -> Direct {
 pub(crate) fn bounces(name: &str) -> Bounces {
     let (source, text) = sources(name);
     let scene = room::scene(name, source);
-    let (planning, plan) = once(|| room::plan(&scene));
-    let (baking, tables) = once(|| room::bake(&scene, &plan));
+    let (planning, plan) = of_all(|| room::plan(&scene));
+    let (baking, tables) = of_all(|| room::bake(&scene, &plan));
     let solved = || solve::solve(&tables, Rung::Best, Sight::Exact, Stop::below(0.001));
     let solving = least(5, || {
         black_box(solved().expect("a solution"));
@@ -152,42 +152,65 @@ pub(crate) fn bounces(name: &str) -> Bounces {
     }
 }
 
-/// A square light 4 m above a floor, and `count` polygons in all with it: loose
-/// ones or faces of boxes, turned at random, smaller the more there are, so that
-/// they hide about as much of the light from a point.
-fn generated(count: usize, boxes: bool) -> Lit {
+/// Polygons that come between the light and the places below it.
+#[derive(Clone, Copy)]
+pub(crate) enum Clutter {
+    /// Boxes that stand on a floor, each closed: what rooms are full of.
+    Furniture,
+    /// Loose triangles and quadrilaterals that float before the light, all of
+    /// them in the way of something: the hardest for a method that cuts.
+    Leaves,
+}
+
+/// A square light 4 m up, and `count` polygons in all with it. The more there
+/// are the smaller, so that about as much of the light is hidden.
+fn generated(count: usize, clutter: Clutter) -> Lit {
     let mut random = Random(count as u64);
     let corners = [[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]];
     let light = corners.map(|[x, y]| DVec3::new(x, y, 4.0)).to_vec();
     let mut surfaces: Vec<Surface> = vec![lit::surface(light, 1.0)];
-    let size = 1.2 / (count as f64).sqrt();
+    let scale = 1.0 / (count as f64).sqrt();
     while surfaces.len() < count {
-        if boxes {
-            surfaces.extend(random.block(1.5 * size));
-        } else {
-            surfaces.push(random.occluder(size));
+        match clutter {
+            Clutter::Furniture => surfaces.extend(standing(&mut random, 2.0 * scale)),
+            Clutter::Leaves => surfaces.push(random.occluder(0.6 * scale)),
         }
     }
     Lit::new(&lit::scene(surfaces))
 }
 
-/// Direct light at [`PLACES`] points below a generated scene.
-pub(crate) fn many(count: usize, boxes: bool) -> Many {
-    let lit = generated(count, boxes);
+/// A box on the floor about the places, up to twice as high as wide, turned
+/// about its axis.
+fn standing(random: &mut Random, size: f64) -> Vec<Surface> {
+    let half = [0.5, 0.5, 1.0].map(|most| random.between(0.3, 1.0) * most * size);
+    let turn = DMat3::from_rotation_z(random.between(0.0, 6.3));
+    let [x, y] = [(); 2].map(|()| random.between(-2.0, 2.0));
+    let place = DVec3::new(x, y, half[2]);
+    random::faces_of_box(half)
+        .into_iter()
+        .map(|face| lit::surface(face.iter().map(|&v| turn * v + place).collect(), 0.0))
+        .collect()
+}
+
+/// Direct light at [`PLACES`] places on the floor of a generated scene.
+pub(crate) fn many(count: usize, clutter: Clutter) -> Many {
+    let lit = generated(count, clutter);
     let mut random = Random(7);
     let places: Vec<([f32; 3], [f32; 3])> = (0..PLACES)
-        .map(|_| random.receiver())
-        .map(|(place, normal)| (place.as_vec3().to_array(), normal.as_vec3().to_array()))
+        .map(|_| [(); 2].map(|()| random.between(-2.0, 2.0) as f32))
+        .map(|[x, y]| ([x, y, 0.0], [0.0, 0.0, 1.0]))
         .collect();
-    let mut sight = Workspace::new();
-    let is_exact = |place: &([f32; 3], [f32; 3])| {
+    let mut sight = Box::new(Workspace::new());
+    let mut is_exact = |place: &([f32; 3], [f32; 3])| {
         let receiver = Receiver::new::<solve::HostRoot>(place.0, place.1).expect("a receiver");
-        let mut sight = Workspace::new();
-        let mut seen = lit.emitters.iter();
-        seen.all(|(_, emitter)| lit.form_factor(&mut sight, &receiver, emitter).is_exact())
+        let mut emitters = lit.emitters.iter();
+        emitters.all(|(_, emitter)| {
+            lit.form_factor(sight.as_mut(), &receiver, emitter)
+                .is_exact()
+        })
     };
     Many {
         inexact: places.iter().filter(|place| !is_exact(place)).count(),
-        seconds: kernel(&mut sight, &lit, &places),
+        seconds: kernel(sight.as_mut(), &lit, &places),
     }
 }

@@ -5,11 +5,12 @@ use super::pixels::{self, Pixels};
 use super::room;
 use isolux::shoot::Stop;
 use isolux_host::bake::Tables;
-use isolux_host::baseline::{self, Parameters};
+use isolux_host::baseline::{self, Baseline, Parameters};
 use isolux_host::compare::Errors;
 use isolux_host::plan::{self, Plan};
 use isolux_host::reference::Reflections;
 use isolux_host::scene::Scene;
+use isolux_host::scene::camera::Hit;
 use isolux_host::solve::{self, Rung, Sight, Solution};
 use std::hint::black_box;
 
@@ -20,10 +21,15 @@ const UNSHOT: f32 = 0.001;
 /// Runs whose least is the time of a solution of ours.
 const ROUNDS: usize = 5;
 
+/// How far inside a border's vertices are drawn in, in elements.
+const DRAWN_IN: f64 = 0.25;
+
 /// One column of the table.
 pub(crate) struct Column {
     /// Errors at the pixels.
     pub(crate) errors: Errors,
+    /// Those of the classical method with the vertices of borders drawn in.
+    pub(crate) drawn_in: Option<Errors>,
     /// Samples or element vertices on the floor, and on all other surfaces.
     pub(crate) on_floor: usize,
     pub(crate) elsewhere: usize,
@@ -100,7 +106,7 @@ impl Ours<'_> {
     /// The picture by the cone filter.
     fn resampled(&self) -> Result<Column, Failed> {
         let (seconds, answers) = once(|| {
-            let value = |hit: &isolux_host::scene::camera::Hit| {
+            let value = |hit: &Hit| {
                 let frame = &self.plan.surfaces[hit.surface].frame;
                 let (u, v) = frame.to_local(hit.position);
                 let found = self.solution.resampled(hit.surface, [u as f32, v as f32]);
@@ -127,6 +133,7 @@ impl Ours<'_> {
         let emitters = self.plan.surfaces.iter();
         Column {
             errors: self.pixels.errors(answers),
+            drawn_in: None,
             on_floor,
             elsewhere,
             emitters: emitters.map(|s| s.bands.len() + s.patches.len()).sum(),
@@ -144,18 +151,18 @@ fn theirs(pixels: &Pixels, parameters: &Parameters) -> Result<Column, Failed> {
     let scene = &pixels.scene;
     let (seconds, solved) = once(|| baseline::solve(scene, parameters));
     let solved = solved?;
-    let (shading, answers) = once(|| {
-        let value = |hit: &isolux_host::scene::camera::Hit| {
-            let value = solved.irradiance_at(hit.surface, hit.position);
-            value.unwrap_or(0.0)
-        };
-        pixels.hits.iter().map(value).collect::<Vec<f64>>()
-    });
+    let (shading, answers) = once(|| shaded(pixels, &solved));
+    let inset = Parameters {
+        inset: DRAWN_IN,
+        ..parameters.clone()
+    };
+    let drawn_in = baseline::solve(scene, &inset)?;
     let counts = (0..scene.surfaces.len()).map(|k| solved.vertices(k).unwrap_or(0));
     let (on_floor, elsewhere) = divided(scene, counts);
     let patches = parameters.surfaces.iter();
     Ok(Column {
         errors: pixels.errors(&answers),
+        drawn_in: Some(pixels.errors(&shaded(pixels, &drawn_in))),
         on_floor,
         elsewhere,
         emitters: patches.map(|(_, r)| r.patches[0] * r.patches[1]).sum(),
@@ -165,6 +172,13 @@ fn theirs(pixels: &Pixels, parameters: &Parameters) -> Result<Column, Failed> {
         seconds,
         pixels: shading,
     })
+}
+
+/// The picture of the classical method.
+fn shaded(pixels: &Pixels, solved: &Baseline) -> Vec<f64> {
+    let value = |hit: &Hit| solved.irradiance_at(hit.surface, hit.position);
+    let values = pixels.hits.iter().map(value);
+    values.map(|value| value.unwrap_or(0.0)).collect()
 }
 
 /// Counts of surfaces on the floor, and on all others.
