@@ -11,6 +11,8 @@
 
 #[path = "../tests/firmware/src/cost_samples.rs"]
 mod cost_samples;
+#[path = "parts/grid.rs"]
+mod grid;
 #[path = "table2/markdown.rs"]
 mod markdown;
 #[path = "table2/measure.rs"]

@@ -1,6 +1,8 @@
 //! Nanoseconds of direct light at a point of the rooms of
 //! tests/data/references, one thread, on every rung of visibility.
 
+#[path = "parts/directly.rs"]
+mod directly;
 #[path = "../tests/visibility/lit.rs"]
 #[allow(dead_code, reason = "the tests use more of it")]
 mod lit;
@@ -9,53 +11,11 @@ mod lit;
 mod published;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use isolux::form_factor::{Best, Outline, of_loops};
-use isolux::geometry::{Plane, Receiver};
+use directly::{direct, placed};
+use isolux::geometry::Receiver;
 use isolux::visibility::{Unoccluded, VertexRays, Visibility};
-use isolux_host::occlusion::{Emitter, Occlusion};
-use isolux_host::solve::HostRoot;
 use lit::{Lit, Small, receiver};
 use std::hint::black_box;
-use std::iter::once;
-
-/// An emitter as a firmware has it: its vertices in space beside its frame.
-struct Placed<'l> {
-    emitter: &'l Emitter,
-    plane: Plane<f32>,
-    vertices: Vec<[f32; 3]>,
-}
-
-fn placed(emitter: &Emitter) -> Placed<'_> {
-    let vertices = lit::vertices::<f32>(emitter);
-    Placed {
-        emitter,
-        plane: Plane::of_polygon(&vertices),
-        vertices,
-    }
-}
-
-fn direct(
-    visibility: &mut impl Visibility<f32>,
-    receiver: &Receiver<f32>,
-    occlusion: &Occlusion,
-    emitters: &[Placed<'_>],
-) -> f32 {
-    let occluders = occlusion.records();
-    let mut sum = 0.0;
-    for placed in emitters {
-        let outline = Outline::new(&placed.vertices);
-        let whole = || of_loops::<Best<HostRoot>, f32>(receiver, &placed.plane, once(outline));
-        let seen = visibility.form_factor::<HostRoot>(
-            receiver,
-            &placed.emitter.target(),
-            &occluders,
-            placed.emitter.blockers().iter().copied(),
-            whole,
-        );
-        sum += seen.low;
-    }
-    sum
-}
 
 fn rung(criterion: &mut Criterion, name: &str, visibility: &mut impl Visibility<f32>) {
     let mut group = criterion.benchmark_group(name);

@@ -1,7 +1,7 @@
 //! The classical method: the paper's Table 2, convergence, cost, refusals.
 
 use glam::DVec3;
-use isolux_host::baseline::{Error, Parameters, Resolution, solve};
+use isolux_host::baseline::{Error, Parameters, Resolution, Stop, solve};
 use isolux_host::reference::{Reference, Reflections};
 use isolux_host::scene::{Budget, Quantity, Rungs, Scene, Surface};
 
@@ -133,10 +133,7 @@ fn finer_division_converges_to_the_reference() {
     let on_b = exact(&scene, 2, 1);
     let worst = |patches_a_side, vertices_a_side, samples| {
         let parameters = Parameters {
-            others: Resolution {
-                patches_a_side,
-                vertices_a_side,
-            },
+            others: Resolution::square(patches_a_side, vertices_a_side),
             source_samples_a_side: samples,
             patch_samples_a_side: 4,
             ..Parameters::default()
@@ -171,15 +168,13 @@ fn a_cube_that_glows_evenly_follows_its_known_answer() {
         .map(|(index, face)| surface(&index.to_string(), *face, 0.5, 1.0))
         .collect();
     let expected = std::f64::consts::PI * (1.0 + 0.5 + 0.25 + 0.125);
-    let error = |vertices_a_side| {
+    let error = |vertices_a_side, inset| {
         let parameters = Parameters {
-            others: Resolution {
-                patches_a_side: 2,
-                vertices_a_side,
-            },
+            inset,
+            others: Resolution::square(2, vertices_a_side),
             source_samples_a_side: 40,
             patch_samples_a_side: 20,
-            reflections: 3,
+            stop: Stop::Reflections(3),
             ..Parameters::default()
         };
         let baseline = solve(&scene, &parameters).expect("a solution");
@@ -189,11 +184,15 @@ fn a_cube_that_glows_evenly_follows_its_known_answer() {
     // Vertices on a shared edge lie in the neighbour's plane and get nothing
     // from it, which darkens the outermost elements: the method's own error,
     // of first order in the elements' size.
-    let (coarse, fine) = (error(10), error(19));
+    let (coarse, fine) = (error(10, 0.0), error(19, 0.0));
     println!("{coarse:.4} {fine:.4}");
     assert!(coarse < 0.0 && coarse > -0.1, "{coarse}");
     let ratio = fine / coarse;
     assert!(ratio > 0.4 && ratio < 0.6, "{ratio}");
+    // A little inside they get what they should.
+    let inside = error(10, 0.25);
+    println!("{inside:.4}");
+    assert!(inside.abs() < 0.3 * coarse.abs(), "{inside}");
 }
 
 #[test]
@@ -235,7 +234,8 @@ fn what_it_cannot_divide_is_refused() {
     let refuse = |scene: &Scene, parameters: &Parameters| {
         solve(scene, parameters).map(|_| ()).expect_err("refused")
     };
-    scene.surfaces[2].vertices.truncate(3);
+    let middle = 0.9 * scene.surfaces[2].vertices[0] + 0.1 * scene.surfaces[2].vertices[2];
+    scene.surfaces[2].vertices[2] = middle;
     let error = refuse(&scene, &parameters);
     assert_eq!(
         error,
@@ -246,13 +246,7 @@ fn what_it_cannot_divide_is_refused() {
     assert!(error.to_string().contains("split the surface"));
     let scene = simple(3.7);
     let own = |name: &str, vertices_a_side| Parameters {
-        surfaces: vec![(
-            name.to_owned(),
-            Resolution {
-                patches_a_side: 1,
-                vertices_a_side,
-            },
-        )],
+        surfaces: vec![(name.to_owned(), Resolution::square(1, vertices_a_side))],
         ..Parameters::default()
     };
     assert_eq!(
@@ -272,4 +266,84 @@ fn what_it_cannot_divide_is_refused() {
         ..Parameters::default()
     };
     assert_eq!(refuse(&scene, &none), Error::Count { surface: None });
+}
+
+/// The shipped scene of that text.
+fn shipped(name: &str, text: &str) -> Scene {
+    isolux_host::scene::file::parse(name, text).expect("a shipped scene")
+}
+
+#[test]
+fn shadows_converge_to_the_reference() {
+    let scene = shipped("penumbra", isolux_host::scene::shipped::PENUMBRA);
+    let on_receiver = exact(&scene, 0, 0);
+    let largest = on_receiver.iter().map(|(_, e)| *e).fold(0.0, f64::max);
+    let rms = |vertices_a_side, source_samples_a_side| {
+        let parameters = Parameters {
+            others: Resolution::square(1, vertices_a_side),
+            source_samples_a_side,
+            stop: Stop::Reflections(0),
+            ..Parameters::default()
+        };
+        let baseline = solve(&scene, &parameters).expect("a solution");
+        assert!(baseline.rays() <= baseline.evaluations());
+        let errors = on_receiver.iter().map(|((u, v), e)| {
+            let value = baseline.irradiance(0, *u, *v).expect("a receiver");
+            ((value - e) / largest).powi(2)
+        });
+        (errors.sum::<f64>() / on_receiver.len() as f64).sqrt()
+    };
+    let (coarse, middle, fine) = (rms(17, 10), rms(33, 20), rms(65, 40));
+    println!("{coarse:.5} {middle:.5} {fine:.5}");
+    // A sample is seen or not: of first order in the penumbra, second elsewhere.
+    assert!(middle < 0.55 * coarse && fine < 0.55 * middle && fine < 0.004);
+}
+
+#[test]
+fn progressive_refinement_reaches_the_sum_of_all_reflections() {
+    let scene = shipped("cornell", isolux_host::scene::shipped::CORNELL);
+    let with = |stop| {
+        let parameters = Parameters {
+            surfaces: vec![("floor".to_owned(), Resolution::square(1, 20))],
+            others: Resolution::square(1, 4),
+            patch_samples_a_side: 2,
+            stop,
+            ..Parameters::default()
+        };
+        solve(&scene, &parameters).expect("a solution")
+    };
+    let (all, shot) = (with(Stop::Reflections(60)), with(Stop::Unshot(1e-7)));
+    assert!(shot.patch_shots() < all.patch_shots());
+    for surface in 0..scene.surfaces.len() {
+        for (u, v) in [(0.0, 0.0), (0.3, 0.6), (1.0, 0.5)] {
+            let values = [&all, &shot].map(|b| b.irradiance(surface, u, v));
+            if let [Some(all), Some(shot)] = values {
+                assert!((all - shot).abs() < 1e-5, "{surface}: {all} {shot}");
+            }
+        }
+    }
+    // The floor behind the tall block sees no light and lives by reflections.
+    let behind = DVec3::new(4.2, 0.0, 5.2);
+    let floor = scene.surface_named("floor").expect("a floor");
+    let dark = with(Stop::Reflections(0)).irradiance_at(floor, behind);
+    assert!(dark.expect("a receiver") < 0.05 * shot.irradiance_at(floor, behind).unwrap());
+}
+
+#[test]
+fn table_3_has_the_paper_s_counts() {
+    let scene = shipped("cornell", isolux_host::scene::shipped::CORNELL);
+    for (parameters, [on_floor, elsewhere]) in
+        Parameters::table_3(&scene)
+            .iter()
+            .zip([[225, 720], [400, 900], [4225, 12_500]])
+    {
+        let count = |floor: bool| -> usize {
+            let some = parameters.surfaces.iter();
+            some.filter(|(name, _)| (name == "floor") == floor)
+                .map(|(_, r)| r.vertices[0] * r.vertices[1])
+                .sum()
+        };
+        assert_eq!(count(true), on_floor);
+        assert!(count(false) <= elsewhere && count(false) > elsewhere * 95 / 100);
+    }
 }

@@ -1,5 +1,6 @@
 //! The table as Markdown, aligned so that a terminal shows it well.
 
+use super::grid::grid;
 use super::measure::{Column, Legs, Table};
 use isolux_host::compare::{Errors, TOLERANCES};
 use isolux_host::report::{percent, quantity};
@@ -201,37 +202,4 @@ fn ratios(table: &Table) -> Vec<Vec<String>> {
             ratio(c.exact_first, counted.map(Legs::total))
         }),
     ]
-}
-
-/// Rows of equal length as a Markdown table, the first one its head; numbers
-/// stand to the right.
-fn grid(rows: &[Vec<String>]) -> String {
-    let width = |column: usize| {
-        let cells = rows.iter().map(|row| row[column].chars().count());
-        cells.max().unwrap_or(0).max(2)
-    };
-    let widths: Vec<usize> = (0..HEADS.len()).map(width).collect();
-    let mut text = String::new();
-    for (number, row) in rows.iter().enumerate() {
-        for (column, cell) in row.iter().enumerate() {
-            let width = widths[column];
-            let cell = match column {
-                0 => format!("| {cell:<width$} |"),
-                _ => format!(" {cell:>width$} |"),
-            };
-            text.push_str(&cell);
-        }
-        text.push('\n');
-        if number == 0 {
-            for (column, &width) in widths.iter().enumerate() {
-                let rule = "-".repeat(width);
-                text.push_str(&match column {
-                    0 => format!("| {rule} |"),
-                    _ => format!(" {}: |", &rule[1..]),
-                });
-            }
-            text.push('\n');
-        }
-    }
-    text
 }

@@ -257,9 +257,9 @@ fn column(
         second: deltas(1),
     };
     let on_a = solved.vertices(A).unwrap_or(0);
-    let patches = parameters.surfaces[0].1.patches_a_side;
+    let [along, across] = parameters.surfaces[0].1.patches;
     Ok(Column {
-        polygons: patches * patches,
+        polygons: along * across,
         on_a,
         on_b: solved.vertices(B).unwrap_or(0),
         error_a: errors(planned, &solved, a),
@@ -368,7 +368,7 @@ impl Times {
 /// The same without reflected light.
 fn unreflected(parameters: &Parameters) -> Parameters {
     Parameters {
-        reflections: 0,
+        stop: baseline::Stop::Reflections(0),
         ..parameters.clone()
     }
 }

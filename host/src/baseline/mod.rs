@@ -5,15 +5,20 @@
 //! progressive radiosity") let the vertices of the elements sample the
 //! emitter. Each sample is a disc of the area it stands for, and
 //!
-//! `ΔF = cos θ_vertex cos θ_sample ΔA / (π r² + ΔA)`
+//! `ΔF = V cos θ_vertex cos θ_sample ΔA / (π r² + ΔA)`
 //!
-//! is added up over the samples; a vertex gets `E = π L Σ ΔF`. Luminaires
-//! shoot first, then, as often as asked, the patches of every surface with
-//! the mean radiosity of their part of the elements. In between the vertices
-//! irradiance is bilinear. Scenes without occlusion, first channel.
+//! is added up over the samples; V is 0 where the ray to the sample meets a
+//! surface, else 1. A vertex gets `E = π L Σ ΔF`. Luminaires shoot first, then
+//! the patches of every surface with the mean radiosity of their part of the
+//! elements: all of them as often as asked, or the one with the most unshot
+//! power again and again (Cohen, Chen, Wallace and Greenberg 1988). In between
+//! the vertices irradiance is bilinear. Samples and so rays stand on a regular
+//! grid; nothing is random. First channel.
 
 mod frame;
+mod occluders;
 mod parameters;
+mod patch;
 
 use std::f64::consts::PI;
 use std::fmt;
@@ -22,12 +27,15 @@ use glam::DVec3;
 
 use crate::scene::Scene;
 use frame::Frame;
-pub use parameters::{Parameters, Resolution};
+use occluders::{Occluders, Span};
+pub use parameters::{Parameters, Resolution, Stop};
+use patch::Patch;
 
 /// Why the baseline cannot solve a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Error {
-    /// A surface that takes part is no parallelogram.
+    /// A surface that takes part is neither a triangle nor a convex
+    /// quadrilateral.
     Shape {
         /// The surface's name.
         surface: String,
@@ -49,8 +57,8 @@ impl fmt::Display for Error {
         match self {
             Self::Shape { surface } => write!(
                 f,
-                "surface \"{surface}\" is no parallelogram; the baseline divides \
-                 parallelograms only: split the surface into such"
+                "surface \"{surface}\" is neither a triangle nor a convex quadrilateral; \
+                 the baseline divides only these: split the surface into such"
             ),
             Self::Count { surface } => {
                 if let Some(surface) = surface {
@@ -74,7 +82,8 @@ impl std::error::Error for Error {}
 /// Delta form factors spent on one pair of surfaces in one round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shot {
-    /// 0 for the luminaires, k for light reflected k times.
+    /// 0 for the luminaires, k for light reflected k times; 1 for all
+    /// reflected light where patches shoot one by one.
     pub round: usize,
     /// Index of the shooting surface.
     pub emitter: usize,
@@ -82,6 +91,16 @@ pub struct Shot {
     pub receiver: usize,
     /// Delta form factors evaluated: vertices × samples.
     pub evaluations: u64,
+    /// Those that took a ray: both ends face each other.
+    pub rays: u64,
+}
+
+/// A sample of an emitter.
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    place: DVec3,
+    /// The area it stands for.
+    area: f64,
 }
 
 /// A surface that receives, with the irradiance of its element vertices.
@@ -90,139 +109,198 @@ struct Elements {
     frame: Frame,
     resolution: Resolution,
     reflectance: f64,
-    /// All light so far, u fastest.
+    /// Where the vertices are evaluated, u fastest.
+    places: Vec<DVec3>,
+    /// All light so far.
     total: Vec<f64>,
-    /// Light of the last round.
-    fresh: Vec<f64>,
 }
 
 /// A solved scene.
 #[derive(Debug)]
 pub struct Baseline {
     surfaces: Vec<Option<Elements>>,
+    occluders: Occluders,
     shots: Vec<Shot>,
+    patch_shots: usize,
 }
 
 /// Solves a scene. The result is a function of scene and parameters alone:
 /// one thread, fixed order.
 ///
 /// Surfaces that reflect receive; others only where `parameters` give them a
-/// resolution of their own. A vertex in the shooter's plane or behind it is passed
-/// over without cost, and so is a patch with nothing to shoot. Cost: one
-/// [`Shot`] entry says how many delta form factors each pair of surfaces took,
-/// some nanoseconds each.
+/// resolution of their own; all occlude. A vertex in the shooter's plane or
+/// behind it is passed over without cost, and so is a patch with nothing to
+/// shoot. Cost: one [`Shot`] entry says how many delta form factors each pair
+/// of surfaces took, some nanoseconds each, and some more for each surface whose
+/// plane parts a vertex from the emitter.
 ///
 /// # Errors
 ///
-/// [`Error`] where a surface that emits or receives is no parallelogram, a
-/// count is too small, or a name is unknown.
+/// [`Error`] where a surface that emits or receives is neither a triangle nor a
+/// convex quadrilateral, a count is too small, or a name is unknown.
 pub fn solve(scene: &Scene, parameters: &Parameters) -> Result<Baseline, Error> {
     parameters.check(scene)?;
-    let mut frames = Vec::with_capacity(scene.surfaces.len());
-    for surface in &scene.surfaces {
-        let takes_part = surface.radiance[0] > 0.0 || parameters.receives(surface);
-        frames.push(if takes_part {
-            Some(Frame::of(surface)?)
+    let mut baseline = Baseline {
+        surfaces: Vec::with_capacity(scene.surfaces.len()),
+        occluders: Occluders::of(scene),
+        shots: Vec::new(),
+        patch_shots: 0,
+    };
+    let mut luminaires = Vec::new();
+    let mut emitted = 0.0;
+    for (index, surface) in scene.surfaces.iter().enumerate() {
+        let (emits, receives) = (surface.radiance[0] > 0.0, parameters.receives(surface));
+        if emits {
+            let frame = Frame::of(surface)?;
+            let count = [parameters.source_samples_a_side; 2];
+            let samples = frame.samples([0.0; 2], [1.0; 2], count);
+            let span = baseline.occluders.span(&surface.vertices);
+            luminaires.push((index, frame.normal, samples, span, PI * surface.radiance[0]));
+            emitted += PI * surface.radiance[0] * surface.area;
+        }
+        baseline.surfaces.push(if receives {
+            let frame = Frame::of(surface)?;
+            let resolution = parameters.resolution(&surface.name);
+            let places = vertices(&frame, resolution.vertices, parameters.inset);
+            Some(Elements {
+                frame,
+                resolution,
+                reflectance: surface.reflectance[0],
+                total: vec![0.0; places.len()],
+                places,
+            })
         } else {
             None
         });
     }
-    let mut baseline = Baseline {
-        surfaces: Vec::with_capacity(frames.len()),
-        shots: Vec::new(),
-    };
-    for (surface, frame) in scene.surfaces.iter().zip(&frames) {
-        let frame = frame.filter(|_| parameters.receives(surface));
-        baseline.surfaces.push(frame.map(|frame| {
-            let resolution = parameters.resolution(&surface.name);
-            let vertices = resolution.vertices_a_side * resolution.vertices_a_side;
-            Elements {
-                frame,
-                resolution,
-                reflectance: surface.reflectance[0],
-                total: vec![0.0; vertices],
-                fresh: vec![0.0; vertices],
+    for (index, normal, samples, span, exitance) in luminaires {
+        baseline.shoot((0, index, normal), &samples, &span, exitance);
+    }
+    let mut patches = baseline.patches(parameters.patch_samples_a_side);
+    match parameters.stop {
+        Stop::Reflections(times) => {
+            for round in 1..=times {
+                baseline.reflect(round, &mut patches);
             }
-        }));
-    }
-    for (index, (surface, frame)) in scene.surfaces.iter().zip(&frames).enumerate() {
-        if let Some(frame) = frame.filter(|_| surface.radiance[0] > 0.0) {
-            let samples = frame.samples(parameters.source_samples_a_side);
-            baseline.shoot(0, index, &samples, surface.radiance[0]);
         }
-    }
-    for round in 1..=parameters.reflections {
-        baseline.reflect(round, parameters.patch_samples_a_side);
+        Stop::Unshot(fraction) => baseline.progress(fraction * emitted, &mut patches),
     }
     Ok(baseline)
 }
 
-/// Samples of an emitter: places, and the area each stands for.
-struct Samples {
-    places: Vec<DVec3>,
-    normal: DVec3,
-    area: f64,
-}
-
-impl Samples {
-    /// `Σ ΔF` of a vertex.
-    fn form_factor(&self, position: DVec3, normal: DVec3) -> f64 {
-        let mut sum = 0.0;
-        for place in &self.places {
-            let towards = *place - position;
-            let square = towards.length_squared();
-            let (here, there) = (normal.dot(towards), -self.normal.dot(towards));
-            if here > 0.0 && there > 0.0 {
-                sum += here * there / square * self.area / (PI * square + self.area);
-            }
+/// The places of element vertices, u fastest.
+fn vertices(frame: &Frame, count: [usize; 2], inset: f64) -> Vec<DVec3> {
+    let at = |axis: usize, index: usize| {
+        let spans = (count[axis] - 1) as f64;
+        match index {
+            0 => inset / spans,
+            last if last + 1 == count[axis] => 1.0 - inset / spans,
+            index => index as f64 / spans,
         }
-        sum
-    }
+    };
+    (0..count[0] * count[1])
+        .map(|k| frame.place(at(0, k % count[0]), at(1, k / count[0])))
+        .collect()
 }
 
 impl Baseline {
-    /// Every patch shoots what its elements received in the last round.
-    fn reflect(&mut self, round: usize, samples_a_side: usize) {
-        let mut patches: Vec<(usize, Samples, f64)> = Vec::new();
-        for (index, surface) in self.surfaces.iter_mut().enumerate() {
-            let Some(elements) = surface else { continue };
-            let side = elements.resolution.patches_a_side;
-            for row in 0..side {
-                for column in 0..side {
-                    let irradiance = elements.patch_mean(column, row);
-                    let radiance = elements.reflectance * irradiance / PI;
-                    if radiance > 0.0 {
-                        let part = elements.frame.part((column, row), side);
-                        patches.push((index, part.samples(samples_a_side), radiance));
-                    }
-                }
+    /// The patches of all surfaces.
+    fn patches(&self, samples_a_side: usize) -> Vec<Patch> {
+        let mut patches = Vec::new();
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            if let Some(elements) = surface {
+                patches.extend(Patch::of(index, elements, samples_a_side, &self.occluders));
             }
-            elements.fresh.fill(0.0);
         }
-        for (index, samples, radiance) in patches {
-            self.shoot(round, index, &samples, radiance);
+        patches
+    }
+
+    /// Radiosity of a patch that it has not shot yet.
+    fn unshot(&self, patch: &Patch) -> f64 {
+        let elements = self.surfaces[patch.surface].as_ref();
+        let radiosity = elements.map_or(0.0, |e| e.reflectance * patch.mean(&e.total));
+        (radiosity - patch.shot).max(0.0)
+    }
+
+    /// Every patch shoots what its elements received in the last round.
+    fn reflect(&mut self, round: usize, patches: &mut [Patch]) {
+        let pending: Vec<f64> = patches.iter().map(|patch| self.unshot(patch)).collect();
+        for (patch, radiosity) in patches.iter_mut().zip(pending) {
+            self.send(round, patch, radiosity);
         }
     }
 
-    /// One emitter shoots to the vertices of all other surfaces.
-    fn shoot(&mut self, round: usize, emitter: usize, samples: &Samples, radiance: f64) {
-        for (receiver, surface) in self.surfaces.iter_mut().enumerate() {
-            let Some(elements) = surface else { continue };
-            if receiver == emitter {
-                continue;
+    /// The patch with the most unshot power shoots, until less than `enough`
+    /// watts are unshot; no more than a hundred shots a patch.
+    fn progress(&mut self, enough: f64, patches: &mut [Patch]) {
+        for _ in 0..100 * patches.len() {
+            let powers = patches
+                .iter()
+                .map(|patch| self.unshot(patch) * patch.area)
+                .enumerate();
+            let (mut unshot, mut most) = (0.0, (0, 0.0));
+            for (index, power) in powers {
+                unshot += power;
+                if power > most.1 {
+                    most = (index, power);
+                }
             }
-            let mut evaluations = 0;
-            let side = elements.resolution.vertices_a_side;
-            for index in 0..elements.total.len() {
-                let position = elements.frame.vertex((index % side, index / side), side);
-                let height = samples.normal.dot(position - samples.places[0]);
+            let above = unshot > enough && most.1 > 0.0;
+            let Some(patch) = patches.get_mut(most.0).filter(|_| above) else {
+                return;
+            };
+            let radiosity = self.unshot(patch);
+            self.send(1, patch, radiosity);
+        }
+    }
+
+    /// A patch shoots this much radiosity.
+    fn send(&mut self, round: usize, patch: &mut Patch, radiosity: f64) {
+        let Some(elements) = self.surfaces[patch.surface].as_ref() else {
+            return;
+        };
+        if radiosity > 0.0 {
+            let shooter = (round, patch.surface, elements.frame.normal);
+            self.shoot(shooter, &patch.samples, &patch.span, radiosity);
+            patch.shot += radiosity;
+            self.patch_shots += 1;
+        }
+    }
+
+    /// One emitter, a surface's part with its normal, shoots to the vertices
+    /// of all other surfaces.
+    fn shoot(
+        &mut self,
+        (round, emitter, normal): (usize, usize, DVec3),
+        samples: &[Sample],
+        span: &Span,
+        radiosity: f64,
+    ) {
+        let mut between = Vec::new();
+        for (receiver, surface) in self.surfaces.iter_mut().enumerate() {
+            let Some(elements) = surface.as_mut().filter(|_| receiver != emitter) else {
+                continue;
+            };
+            let (mut evaluations, mut rays) = (0, 0);
+            for (position, total) in elements.places.iter().zip(&mut elements.total) {
+                let height = normal.dot(*position - samples[0].place);
                 if height <= elements.frame.rounding() {
                     continue;
                 }
-                let factor = samples.form_factor(position, elements.frame.normal);
-                evaluations += samples.places.len() as u64;
-                elements.total[index] += PI * radiance * factor;
-                elements.fresh[index] += PI * radiance * factor;
+                self.occluders.between(*position, span, &mut between);
+                let mut sum = 0.0;
+                for sample in samples {
+                    let Some(delta) = delta(*position, elements.frame.normal, sample, normal)
+                    else {
+                        continue;
+                    };
+                    rays += 1;
+                    if !self.occluders.hide(*position, sample.place, &between) {
+                        sum += delta;
+                    }
+                }
+                evaluations += samples.len() as u64;
+                *total += radiosity * sum;
             }
             if evaluations > 0 {
                 let shot = Shot {
@@ -230,6 +308,7 @@ impl Baseline {
                     emitter,
                     receiver,
                     evaluations,
+                    rays,
                 };
                 record(&mut self.shots, shot);
             }
@@ -259,10 +338,22 @@ impl Baseline {
         &self.shots
     }
 
+    /// How often a patch shot.
+    #[must_use]
+    pub fn patch_shots(&self) -> usize {
+        self.patch_shots
+    }
+
     /// All delta form factors together.
     #[must_use]
     pub fn evaluations(&self) -> u64 {
         self.shots.iter().map(|shot| shot.evaluations).sum()
+    }
+
+    /// All rays together.
+    #[must_use]
+    pub fn rays(&self) -> u64 {
+        self.shots.iter().map(|shot| shot.rays).sum()
     }
 
     /// Element vertices of a surface; `None` where it does not receive.
@@ -272,11 +363,23 @@ impl Baseline {
     }
 }
 
+/// ΔF of a sample that faces a vertex, if nothing is between them.
+fn delta(position: DVec3, normal: DVec3, sample: &Sample, facing: DVec3) -> Option<f64> {
+    let towards = sample.place - position;
+    let square = towards.length_squared();
+    let (here, there) = (normal.dot(towards), -facing.dot(towards));
+    (here > 0.0 && there > 0.0)
+        .then(|| here * there / square * sample.area / (PI * square + sample.area))
+}
+
 /// Adds a shot to the account of its round and pair of surfaces.
 fn record(shots: &mut Vec<Shot>, shot: Shot) {
     let pair = |shot: &Shot| (shot.round, shot.emitter, shot.receiver);
     match shots.iter_mut().find(|known| pair(known) == pair(&shot)) {
-        Some(known) => known.evaluations += shot.evaluations,
+        Some(known) => {
+            known.evaluations += shot.evaluations;
+            known.rays += shot.rays;
+        }
         None => shots.push(shot),
     }
 }
@@ -284,72 +387,16 @@ fn record(shots: &mut Vec<Shot>, shot: Shot) {
 impl Elements {
     /// Bilinear interpolation between the four vertices around a place.
     fn interpolate(&self, u: f64, v: f64) -> f64 {
-        let side = self.resolution.vertices_a_side;
-        let place = |t: f64| {
-            let t = t.clamp(0.0, 1.0) * (side - 1) as f64;
-            let low = (t.floor() as usize).min(side - 2);
+        let [along_u, along_v] = self.resolution.vertices;
+        let place = |t: f64, count: usize| {
+            let t = t.clamp(0.0, 1.0) * (count - 1) as f64;
+            let low = (t.floor() as usize).min(count - 2);
             (low, t - low as f64)
         };
-        let ((i, s), (j, t)) = (place(u), place(v));
-        let at = |i: usize, j: usize| self.total[j * side + i];
+        let ((i, s), (j, t)) = (place(u, along_u), place(v, along_v));
+        let at = |i: usize, j: usize| self.total[j * along_u + i];
         let low = at(i, j) * (1.0 - s) + at(i + 1, j) * s;
         let high = at(i, j + 1) * (1.0 - s) + at(i + 1, j + 1) * s;
         low * (1.0 - t) + high * t
-    }
-
-    /// Mean over a patch of the bilinear irradiance of the last round.
-    fn patch_mean(&self, column: usize, row: usize) -> f64 {
-        let side = self.resolution.vertices_a_side;
-        let patches = self.resolution.patches_a_side as f64;
-        let weights = |index: usize| hat_means(index as f64 / patches, 1.0 / patches, side);
-        let (along_u, along_v) = (weights(column), weights(row));
-        self.fresh
-            .chunks_exact(side)
-            .zip(&along_v)
-            .map(|(line, wv)| wv * line.iter().zip(&along_u).map(|(e, wu)| e * wu).sum::<f64>())
-            .sum()
-    }
-}
-
-/// Means over `[start, start + width]` of the `count` hat functions on
-/// equally spaced vertices of `[0, 1]`.
-fn hat_means(start: f64, width: f64, count: usize) -> Vec<f64> {
-    let spans = (count - 1) as f64;
-    // Integral of a hat of half width 1 from its foot to `t`.
-    let integral = |t: f64| match t.clamp(-1.0, 1.0) {
-        t if t <= 0.0 => 0.5 * (t + 1.0) * (t + 1.0),
-        t => 1.0 - 0.5 * (1.0 - t) * (1.0 - t),
-    };
-    (0..count)
-        .map(|index| {
-            let at = |place: f64| integral(place * spans - index as f64);
-            (at(start + width) - at(start)) / (width * spans)
-        })
-        .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::hat_means;
-
-    #[test]
-    fn means_of_hats_are_those_of_lines() {
-        for (start, width, count) in [
-            (0.0, 0.5, 10),
-            (0.5, 0.5, 8),
-            (0.25, 0.25, 2),
-            (0.0, 1.0, 3),
-        ] {
-            let means = hat_means(start, width, count);
-            let sum: f64 = means.iter().sum();
-            assert!((sum - 1.0).abs() < 1e-14);
-            // A line equals its interpolant, so its mean is its middle value.
-            let line = |place: f64| 3.0 * place - 0.7;
-            let vertices = means.iter().enumerate();
-            let mean: f64 = vertices
-                .map(|(i, w)| w * line(i as f64 / (count - 1) as f64))
-                .sum();
-            assert!((mean - line(start + 0.5 * width)).abs() < 1e-14);
-        }
     }
 }

@@ -7,7 +7,7 @@ use super::choice::RungArguments;
 use super::failure::Failure;
 use super::pipeline::{self, Planned};
 use super::{BouncesArgument, SceneArgument};
-use crate::baseline::{self, Baseline, Parameters};
+use crate::baseline::{self, Baseline, Parameters, Stop};
 use crate::compare::{self, Answers, Balance, Compared, Errors, Seen, effort, errors_by_scale};
 use crate::occlusion::Solids;
 use crate::reference::Reference;
@@ -189,7 +189,7 @@ fn classical(planned: &Planned, reference: &Reference) -> Option<Baseline> {
         return None;
     }
     let parameters = Parameters {
-        reflections: reference.reflections(),
+        stop: Stop::Reflections(reference.reflections()),
         ..Parameters::default()
     };
     // A scene it cannot do has no such column: no error of the user's.
