@@ -197,14 +197,14 @@ fn codes_for_other_pairs_are_refused() {
     };
     // The same number of words or half-words.
     let codes = sound.counts.codes;
-    let other = if codes % 8 == 0 {
+    let other = if codes.is_multiple_of(8) {
         codes - 1
     } else {
         codes.next_multiple_of(8)
     };
     of(offset_of!(Counts, codes), other, What::Codes);
     let fractions = sound.counts.fractions;
-    let other = if fractions % 2 == 0 {
+    let other = if fractions.is_multiple_of(2) {
         fractions - 1
     } else {
         fractions + 1
