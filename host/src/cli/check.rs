@@ -100,9 +100,9 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         scene: scene.name.clone(),
     };
     // What this build lacks or a budget forbids is an answer here, no failure.
-    match pipeline::plan(scene, &arguments.rungs, &[]) {
-        Ok(planned) => {
-            let (ram, sight) = planned.ram();
+    let planned = pipeline::plan(scene, &arguments.rungs, &[]);
+    match planned.and_then(|planned| Ok((planned.ram()?, planned))) {
+        Ok(((ram, sight), planned)) => {
             checked.capacities = Some(Capacities::of(&planned.tables.counts, sight));
             checked.ram_bytes = Some(ram);
             checked.flash_bytes = Some(planned.tables.bytes().len());

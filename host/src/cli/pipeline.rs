@@ -121,21 +121,20 @@ fn reach(scene: &Scene, places: &[DVec3]) -> Vec<DVec3> {
 impl Planned {
     /// Bytes of RAM that the kernel's state takes on the device: the light, and
     /// the workspace of exact visibility with what it must hold.
-    pub(super) fn ram(&self) -> (usize, records::Sight) {
+    pub(super) fn ram(&self) -> Result<(usize, records::Sight), Failure> {
         let (counts, bytes) = (&self.tables.counts, self.tables.bytes());
         if self.rung.is_integer() {
-            return (
-                isolux::integers::light_bytes(counts),
-                records::Sight::default(),
-            );
+            let light = isolux::integers::light_bytes(counts);
+            return Ok((light, records::Sight::default()));
         }
-        let workspace = match (self.sight, isolux::scene::Scene::load(bytes)) {
-            (Sight::Exact, Ok(scene)) => *scene.sight(),
-            // Tables that do not load are refused when they are solved.
+        let scene = isolux::scene::Scene::load(bytes).map_err(refused)?;
+        let workspace = match self.sight {
+            Sight::Exact => *scene.sight(),
             _ => records::Sight::default(),
         };
         let light = isolux::budget::light_bytes(counts);
-        (light + isolux::budget::sight_bytes(&workspace), workspace)
+        let bytes = light + isolux::budget::sight_bytes(&workspace);
+        Ok((bytes, workspace))
     }
 
     /// Refuses what a scene's own budget cannot hold: the kernel's state in RAM
@@ -144,7 +143,7 @@ impl Planned {
     fn affordable(&self) -> Result<(), Failure> {
         let (scene, tables) = (&self.scene, &self.tables);
         let limits = [
-            ("ram", "RAM", scene.budget.ram, self.ram().0 as u64),
+            ("ram", "RAM", scene.budget.ram, self.ram()?.0 as u64),
             (
                 "flash",
                 "flash",
@@ -168,9 +167,13 @@ impl Planned {
 
     /// Solves it on the host, with the kernel.
     pub(super) fn solve(&self, bounces: Option<u32>) -> Result<Solution<'_>, Failure> {
-        solve::solve(&self.tables, self.rung, self.sight, stop(bounces))
-            .map_err(|error| Failure::limit(error, "lower [budget] samples or split the scene"))
+        solve::solve(&self.tables, self.rung, self.sight, stop(bounces)).map_err(refused)
     }
+}
+
+/// Tables that the kernel does not take.
+fn refused(error: isolux::Error) -> Failure {
+    Failure::limit(error, "lower [budget] samples or split the scene")
 }
 
 /// When the kernel stops.

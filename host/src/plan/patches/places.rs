@@ -101,7 +101,10 @@ fn weights(cell: &Cell, places: &[DVec2]) -> Vec<[f64; 3]> {
     let count = places.len() as f64;
     if normal.determinant() > THIN * count.powi(3) {
         let inverse = normal.inverse();
-        return rows().map(|row| (inverse * row).to_array()).collect();
+        let weights: Vec<[f64; 3]> = rows().map(|row| (inverse * row).to_array()).collect();
+        if weights.iter().flatten().all(|w| w.abs() <= STEEPEST) {
+            return weights;
+        }
     }
     let mean = own.iter().sum::<DVec2>() / count;
     let spread = own.iter().map(|&own| (own - mean).powf(2.0)).sum::<DVec2>();
@@ -129,3 +132,8 @@ fn weights(cell: &Cell, places: &[DVec2]) -> Vec<[f64; 3]> {
 /// The variances' product, in a patch's own units, below which its places lie on
 /// a line: about a hundredth as wide as long.
 const THIN: f64 = 2e-6;
+
+/// The largest weight of a fit: where places lie so close to a line that more
+/// would be needed, there is no gradient across. Those of a part of the cell
+/// then stay below what tables hold, 64.
+const STEEPEST: f64 = 16.0;
