@@ -18,7 +18,7 @@ const PARTS: [(&[&str], &[&str]); 5] = [
         &["best"],
     ),
     (
-        &["11form_factor10half_angle", "form_factor..half_angle"],
+        &["11form_factor5snell", "form_factor..snell"],
         &["poly3", "poly5", "poly8", "best"],
     ),
     (
