@@ -18,7 +18,7 @@
 //!
 //! k being the kernel cos θ_r cos θ_e / (π r²): the radiosity at the place where
 //! the emitter, as the receiver sees it, has its centre of gravity. It is found
-//! by a rule of a few nodes ([`moments`]), and F by Eq. 3: the rule's own error
+//! by a rule of a few nodes ([`View::moments`]), and F by Eq. 3: the rule's own error
 //! then turns up only in how far the place is off.
 
 mod moments;

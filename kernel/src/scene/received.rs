@@ -13,7 +13,7 @@ use core::marker::PhantomData;
 impl<'t> Scene<'t> {
     /// The irradiance in W m⁻² at a receiver from an emitter of this radiosity:
     /// B F of what is seen of it, and for a linear radiosity the B(ā, b̄) F of
-    /// [`luminance`](crate::luminance), with (ā, b̄) by the rule there.
+    /// [`luminance`](mod@crate::luminance), with (ā, b̄) by the rule there.
     ///
     /// A bracket of two different values where `sight` had to stop early.
     /// Cost: [`Scene::form_factor`], and for a linear radiosity the rule; the rule
