@@ -107,7 +107,10 @@ fn weights_reproduce_linear_fields() {
                     }
                 }
                 let whole = matches!(&patch.pieces[..], [piece] if piece.len() == 4);
-                let allowed = if whole { 1e-9 } else { 0.2 * patch.scale };
+                // Reflected light comes from places in a cell of which the patch
+                // may be half, or less.
+                let part = if tag == Tag::Direct { 0.2 } else { 0.4 };
+                let allowed = if whole { 1e-9 } else { part * patch.scale };
                 for corner in patch.pieces.iter().flatten() {
                     let own = (DVec2::from(*corner) - DVec2::from(patch.center)) / patch.scale;
                     let [mean, along_a, along_b] = fit;

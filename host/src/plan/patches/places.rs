@@ -63,9 +63,24 @@ fn spread(cell: &Cell, count: usize) -> Vec<DVec2> {
             })
             .collect();
     }
-    let mut places: Vec<DVec2> = (0..count)
-        .map(|k| candidates[(2 * k + 1) * candidates.len() / (2 * count)])
-        .collect();
+    // Each first place is as far as can be from those before (Gonzalez 1985):
+    // places that begin in rows would stay in rows, and tell no gradient.
+    let mut places: Vec<DVec2> = Vec::with_capacity(count);
+    let center = DVec2::from(cell.center);
+    while places.len() < count {
+        let apart = |candidate: &DVec2| {
+            let others = places
+                .iter()
+                .map(|place| place.distance_squared(*candidate));
+            let nearest = others.fold(f64::INFINITY, f64::min);
+            nearest.min(candidate.distance_squared(center) + cell.scale.powi(2))
+        };
+        let farthest = candidates
+            .iter()
+            .max_by(|a, b| apart(a).total_cmp(&apart(b)))
+            .copied();
+        places.extend(farthest);
+    }
     for _ in 0..ROUNDS {
         let mut sums = vec![(DVec2::ZERO, 0.0); count];
         for &candidate in &candidates {
