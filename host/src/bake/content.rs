@@ -1,0 +1,283 @@
+//! What a planned scene puts into its tables: surface by surface, then emitter by
+//! emitter.
+
+use super::{TooLarge, codes};
+use crate::occlusion::Occlusion;
+use crate::plan::patches::Patch;
+use crate::plan::patches::shapes::{convex_pieces, first_moment, hull, signed_area};
+use crate::plan::{Band, Plan, SurfacePlan};
+use crate::scene::Scene;
+use crate::scene::requires::requirements;
+use glam::{DVec2, DVec3};
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::float::single::SingleFloatOverlay;
+use isolux::form_factor::Outline;
+use isolux::scene::records::{Emitter, Loop, Shape, Surface};
+use isolux::visibility::records::Blocker;
+use std::f64::consts::PI;
+
+fn single(v: DVec3) -> [f32; 3] {
+    [v.x as f32, v.y as f32, v.z as f32]
+}
+
+/// Every section, as it grows.
+pub(super) struct Content {
+    pub(super) channels: usize,
+    pub(super) coefficients: usize,
+    pub(super) occlusion: Option<Occlusion>,
+    pub(super) blockers: Vec<Blocker>,
+    pub(super) surfaces: Vec<Surface>,
+    pub(super) reflectances: Vec<f32>,
+    pub(super) emitters: Vec<Emitter>,
+    pub(super) exitances: Vec<f32>,
+    pub(super) shapes: Vec<Shape>,
+    pub(super) loops: Vec<Loop>,
+    pub(super) vertices: Vec<[f32; 3]>,
+    pub(super) corners: Vec<[f32; 2]>,
+    pub(super) samples: Vec<[f32; 2]>,
+    pub(super) weights: Vec<f32>,
+    pub(super) members: Vec<u16>,
+    pub(super) codes: codes::Codes,
+}
+
+impl Content {
+    pub(super) fn of(
+        scene: &Scene,
+        plan: &Plan,
+        occlusion: Option<Occlusion>,
+    ) -> Result<Self, TooLarge> {
+        let mut content = Self::new(scene, plan, occlusion);
+        for (surface, planned) in scene.surfaces.iter().zip(&plan.surfaces) {
+            content.surface(surface, planned);
+        }
+        for (index, surface) in scene.surfaces.iter().enumerate() {
+            if surface.emits() {
+                content.luminaire(index, surface, &plan.surfaces[index])?;
+            }
+        }
+        let mut first_sample = 0;
+        for (index, planned) in plan.surfaces.iter().enumerate() {
+            for band in &planned.bands {
+                content.band(index, planned, band, first_sample)?;
+            }
+            for patch in &planned.patches {
+                content.patch(index, planned, patch, first_sample)?;
+            }
+            first_sample += planned.samples.len();
+        }
+        Ok(content)
+    }
+
+    /// Codes say what the lists of occluders did.
+    pub(super) fn replace_occluders(&mut self, codes: codes::Codes) {
+        self.occlusion = None;
+        self.blockers.clear();
+        for shape in &mut self.shapes {
+            (shape.first_blocker, shape.blockers) = (0, 0);
+        }
+        self.codes = codes;
+    }
+
+    fn new(scene: &Scene, plan: &Plan, occlusion: Option<Occlusion>) -> Self {
+        Self {
+            channels: requirements(scene).channels,
+            coefficients: if plan.is_linear() { 3 } else { 1 },
+            occlusion,
+            blockers: Vec::new(),
+            surfaces: Vec::new(),
+            reflectances: Vec::new(),
+            emitters: Vec::new(),
+            exitances: Vec::new(),
+            shapes: Vec::new(),
+            loops: Vec::new(),
+            vertices: Vec::new(),
+            corners: Vec::new(),
+            samples: Vec::new(),
+            weights: Vec::new(),
+            members: Vec::new(),
+            codes: codes::Codes::default(),
+        }
+    }
+
+    fn surface(&mut self, surface: &crate::scene::Surface, planned: &SurfacePlan) {
+        let frame = &planned.frame;
+        self.surfaces.push(Surface {
+            origin: single(frame.origin),
+            axis_u: single(frame.u),
+            axis_v: single(frame.v),
+            normal: single(frame.normal),
+            size: [frame.size_u as f32, frame.size_v as f32],
+            filter_radius: planned.filter_radius as f32,
+            first_sample: self.samples.len() as u32,
+            samples: planned.samples.len() as u32,
+            direct: planned.direct() as u32,
+            indirect: planned.reflected() as u32,
+        });
+        let reflectance = surface.reflectance.map(|rho| rho as f32);
+        self.reflectances.extend(&reflectance[..self.channels]);
+        let places = planned.samples.iter();
+        self.samples
+            .extend(places.map(|sample| sample.place.map(|x| x as f32)));
+    }
+
+    fn luminaire(
+        &mut self,
+        index: usize,
+        surface: &crate::scene::Surface,
+        planned: &SurfacePlan,
+    ) -> Result<(), TooLarge> {
+        let emitter = self.emitter(index, surface.area);
+        let exitance = surface.radiance.map(|radiance| (PI * radiance) as f32);
+        self.exitances.extend(&exitance[..self.channels]);
+        if self.has_shapes() {
+            let vertices = planned.frame.vertices.iter();
+            let outline: Vec<[f64; 2]> = vertices.map(|&(u, v)| [u, v]).collect();
+            return self.pieces(emitter, planned, &convex_pieces(&[vec![outline]]));
+        }
+        let vertices = surface.vertices.iter();
+        self.outline(vertices.map(|&vertex| single(vertex)).collect());
+        self.finish(emitter);
+        Ok(())
+    }
+
+    fn band(
+        &mut self,
+        index: usize,
+        planned: &SurfacePlan,
+        band: &Band,
+        first_sample: usize,
+    ) -> Result<(), TooLarge> {
+        let emitter = self.emitter(index, band.area.max(0.0));
+        for &member in &band.members {
+            self.member(first_sample + member)?;
+        }
+        let vertex = |&sample: &usize| planned.samples[sample].vertex;
+        let loops = band.loops.iter();
+        let loops: Vec<Vec<[f64; 2]>> = loops
+            .map(|outline| outline.iter().map(vertex).collect())
+            .collect();
+        if self.has_shapes() {
+            // What is hidden is cut from convex pieces.
+            let none: [Vec<[f64; 2]>; 0] = [];
+            let parts = loops.overlay(&none, OverlayRule::Subject, FillRule::EvenOdd);
+            return self.pieces(emitter, planned, &convex_pieces(&parts));
+        }
+        for places in &loops {
+            self.outline(in_space(planned, places));
+        }
+        self.finish(emitter);
+        Ok(())
+    }
+
+    fn patch(
+        &mut self,
+        index: usize,
+        planned: &SurfacePlan,
+        patch: &Patch,
+        first_sample: usize,
+    ) -> Result<(), TooLarge> {
+        let emitter = self.emitter(index, patch.area);
+        for (member, weights) in &patch.members {
+            self.member(first_sample + member)?;
+            self.weights.extend(weights.map(|weight| weight as f32));
+        }
+        self.pieces(emitter, planned, &patch.pieces)
+    }
+
+    /// Whether emitters have coordinates of their own.
+    fn has_shapes(&self) -> bool {
+        self.coefficients > 1 || self.occlusion.is_some()
+    }
+
+    /// Ends an emitter of convex pieces: its own coordinates, and what can hide
+    /// it.
+    fn pieces(
+        &mut self,
+        emitter: Emitter,
+        planned: &SurfacePlan,
+        pieces: &[Vec<[f64; 2]>],
+    ) -> Result<(), TooLarge> {
+        let (center, scale) = own_frame(pieces);
+        for piece in pieces {
+            self.outline(in_space(planned, piece));
+            self.corners.extend(piece.iter().map(|&[u, v]| {
+                [(u - center[0]) / scale, (v - center[1]) / scale].map(|x| x as f32)
+            }));
+        }
+        let first_blocker = self.blockers.len() as u32;
+        if let Some(occlusion) = &mut self.occlusion {
+            let all: Vec<[f64; 2]> = pieces.iter().flatten().copied().collect();
+            let hull: Vec<DVec3> = hull(all)
+                .iter()
+                .map(|&[u, v]| planned.frame.to_world(u, v))
+                .collect();
+            let parts = occlusion
+                .emitter(&hull, planned.frame.normal)
+                .map_err(|_| TooLarge { what: "occluders" })?;
+            for part in parts {
+                self.blockers.extend(part.blockers());
+            }
+        }
+        self.shapes.push(Shape {
+            center: center.map(|x| x as f32),
+            // Rounded up: no corner is farther.
+            scale: (scale as f32).next_up(),
+            first_blocker,
+            blockers: self.blockers.len() as u32 - first_blocker,
+        });
+        self.finish(emitter);
+        Ok(())
+    }
+
+    /// An emitter whose loops and members are those that come now.
+    fn emitter(&self, surface: usize, area: f64) -> Emitter {
+        Emitter {
+            surface: surface as u32,
+            first_loop: self.loops.len() as u32,
+            loops: 0,
+            first_member: self.members.len() as u32,
+            members: 0,
+            area: area as f32,
+        }
+    }
+
+    fn finish(&mut self, mut emitter: Emitter) {
+        emitter.loops = self.loops.len() as u32 - emitter.first_loop;
+        emitter.members = self.members.len() as u32 - emitter.first_member;
+        self.emitters.push(emitter);
+    }
+
+    fn member(&mut self, sample: usize) -> Result<(), TooLarge> {
+        let sample = u16::try_from(sample).map_err(|_| TooLarge { what: "samples" })?;
+        self.members.push(sample);
+        Ok(())
+    }
+
+    /// A loop in space.
+    fn outline(&mut self, vertices: Vec<[f32; 3]>) {
+        self.loops.push(Loop {
+            first_vertex: self.vertices.len() as u32,
+            vertices: vertices.len() as u32,
+            reach_squared: Outline::new(&vertices).reach_squared(),
+        });
+        self.vertices.extend(vertices);
+    }
+}
+
+/// Centroid in the surface's frame and unit of length of an emitter's own
+/// coordinates: no corner is farther than 1.
+fn own_frame(pieces: &[Vec<[f64; 2]>]) -> ([f64; 2], f64) {
+    let (moment, area) = pieces.iter().fold((DVec2::ZERO, 0.0), |sum, piece| {
+        (sum.0 + first_moment(piece), sum.1 + signed_area(piece))
+    });
+    let center = moment / area;
+    let corners = pieces.iter().flatten();
+    let farthest = corners.map(|&corner| DVec2::from(corner).distance(center));
+    (center.into(), farthest.fold(0.0, f64::max))
+}
+
+fn in_space(planned: &SurfacePlan, places: &[[f64; 2]]) -> Vec<[f32; 3]> {
+    let place = |&[u, v]: &[f64; 2]| single(planned.frame.to_world(u, v));
+    places.iter().map(place).collect()
+}
