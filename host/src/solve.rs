@@ -12,16 +12,20 @@ pub use rung::{FormFactorRung, HostRoot, Rung, Sight, fixed_form_factor};
 
 use crate::bake::Tables;
 use isolux::Error;
+use isolux::error::What;
 use isolux::form_factor::Arithmetic;
 use isolux::form_factor::fixed_point::{Q24, Q29};
 use isolux::form_factor::{Best, Libm, Micromath, Poly3, Poly5, Poly8};
 use isolux::geometry::Receiver;
 use isolux::luminance::{Colour, Constant, Linear, Luminance, Rgb};
+use isolux::resample::{Reconstructed, Stencils};
 use isolux::scene::Scene;
 use isolux::shoot::{Light, Solved, Stop};
 use looking::{Looking, Sending};
 use rayon::prelude::*;
 use rung::with_rung;
+use std::ops::Range;
+use std::sync::OnceLock;
 
 /// The most samples a solve on the host holds: 64 KiB of state.
 const SAMPLES: usize = 1 << 14;
@@ -60,13 +64,28 @@ pub struct Solution<'t> {
     pub solved: Solved,
 }
 
-/// [`Light`] with its rung, its channels and capacities out of sight.
+/// A light with its rung, its channels and capacities out of sight.
 trait Lit: Send + Sync {
     fn solve(&mut self, stop: Stop) -> Solved;
     fn channels(&self) -> usize;
     fn irradiance(&self) -> Vec<Channels>;
     fn irradiance_bits(&self) -> Vec<u32>;
     fn at(&self, from: &Origin<'_>, receivers: &[Place]) -> Result<Vec<At>, Error>;
+    /// Not for integers, whose radiosities are constant: what asks for terms plans
+    /// with linear ones.
+    fn terms(
+        &self,
+        _: &Origin<'_>,
+        _: &[Place],
+        _: Range<usize>,
+        _: Sight,
+    ) -> Result<Vec<Vec<f32>>, Error> {
+        Err(Error::Capacity {
+            what: What::Coefficients,
+            needed: 3,
+            have: 1,
+        })
+    }
     fn radiosity(&self, emitter: usize) -> Channels;
     fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<Channels>, Error>;
     fn row(
@@ -96,13 +115,52 @@ impl ToChannels for Rgb {
     }
 }
 
-impl<A, L> Lit for Light<'_, A, SAMPLES, EMITTERS, L, Sending>
+/// The kernel's light, with what surfaces are put together from once it is asked
+/// for.
+struct Kept<'t, A, L: Luminance> {
+    light: Light<'t, A, SAMPLES, EMITTERS, L, Sending>,
+    rooms: Vec<OnceLock<Vec<L::Colour>>>,
+}
+
+impl<'t, A, L> Kept<'t, A, L>
+where
+    A: Arithmetic<f32>,
+    L: Luminance,
+{
+    fn new(light: Light<'t, A, SAMPLES, EMITTERS, L, Sending>) -> Self {
+        let surfaces = light.scene().surfaces().len();
+        Self {
+            light,
+            rooms: (0..surfaces).map(|_| OnceLock::new()).collect(),
+        }
+    }
+
+    /// A surface put together from its fields; `None` where it has none, or does
+    /// not exist.
+    fn reconstructed(
+        &self,
+        index: usize,
+    ) -> Option<Reconstructed<'t, '_, Stencils<HostRoot>, L::Colour>> {
+        let scene = self.light.scene();
+        let surface = scene.surface(index).ok().filter(|s| s.fields > 0)?;
+        let room = self.rooms.get(index)?.get_or_init(|| {
+            let mut room = vec![L::Colour::DARK; scene.fields().room(surface)];
+            // The room is as large as it has to be.
+            let _ = self.light.reconstruct::<Stencils<HostRoot>>(index, &mut room);
+            room
+        });
+        self.light.reconstructed(index, room).ok()
+    }
+}
+
+impl<A, L> Lit for Kept<'_, A, L>
 where
     A: Arithmetic<f32> + Send + Sync,
     L: Luminance<Colour: ToChannels>,
 {
     fn solve(&mut self, stop: Stop) -> Solved {
-        Light::solve(self, stop)
+        self.rooms.iter_mut().for_each(|room| *room = OnceLock::new());
+        self.light.solve(stop)
     }
 
     fn channels(&self) -> usize {
@@ -110,19 +168,19 @@ where
     }
 
     fn irradiance(&self) -> Vec<Channels> {
-        let values = Light::irradiance(self).iter();
+        let values = self.light.irradiance().iter();
         values.map(|value| value.channels()).collect()
     }
 
     fn irradiance_bits(&self) -> Vec<u32> {
-        let values = Light::irradiance(self).iter();
+        let values = self.light.irradiance().iter();
         values.flat_map(|&value| bits(value)).collect()
     }
 
     fn at(&self, from: &Origin<'_>, receivers: &[Place]) -> Result<Vec<At>, Error> {
         let one = |sight: &mut Looking, &(position, normal): &Place| {
             let receiver = Receiver::new::<HostRoot>(position, normal)?;
-            let bracket = self.at_among(&from.scene, &receiver, sight);
+            let bracket = self.light.at_among(&from.scene, &receiver, sight);
             Ok(At {
                 value: bracket.middle().channels(),
                 is_exact: bracket.is_exact(),
@@ -132,12 +190,36 @@ where
         receivers.par_iter().map_init(sight, one).collect()
     }
 
+    fn terms(
+        &self,
+        from: &Origin<'_>,
+        receivers: &[Place],
+        emitters: Range<usize>,
+        sight: Sight,
+    ) -> Result<Vec<Vec<f32>>, Error> {
+        let one = |sight: &mut Looking, &(position, normal): &Place| {
+            let receiver = Receiver::new::<HostRoot>(position, normal)?;
+            let term = |emitter| {
+                let radiosity = self.light.radiosity(emitter);
+                let scene = &from.scene;
+                let bracket = scene.received::<A, L, _>(&receiver, emitter, radiosity, sight);
+                bracket.middle().total() / L::Colour::CHANNELS as f32
+            };
+            Ok(emitters.clone().map(term).collect())
+        };
+        let sight = || Looking::with(sight);
+        receivers.par_iter().map_init(sight, one).collect()
+    }
+
     fn radiosity(&self, emitter: usize) -> Channels {
-        Light::radiosity(self, emitter).mean().channels()
+        self.light.radiosity(emitter).mean().channels()
     }
 
     fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<Channels>, Error> {
-        let filtered = self.resample_at::<HostRoot>(surface, place)?;
+        if let Some(reconstructed) = self.reconstructed(surface) {
+            return Ok(Some(reconstructed.at(place).channels()));
+        }
+        let filtered = self.light.resample_at::<HostRoot>(surface, place)?;
         Ok(filtered.map(|filtered| filtered.value.channels()))
     }
 
@@ -150,7 +232,14 @@ where
         bits: &mut [u32],
     ) -> Result<u32, Error> {
         let mut values = vec![L::Colour::DARK; out.len()];
-        let row = self.resample_row::<HostRoot>(surface, grid, row, &mut values)?;
+        let out_of_reach = match self.reconstructed(surface) {
+            Some(reconstructed) => reconstructed.row(grid, row, &mut values).map(|()| 0)?,
+            None => {
+                let light = &self.light;
+                let row = light.resample_row::<HostRoot>(surface, grid, row, &mut values)?;
+                row.out_of_reach
+            }
+        };
         for (out, &value) in out.iter_mut().zip(&values) {
             *out = value.channels();
         }
@@ -158,7 +247,7 @@ where
         for (out, word) in bits.iter_mut().zip(words) {
             *out = word;
         }
-        Ok(row.out_of_reach)
+        Ok(out_of_reach)
     }
 }
 
@@ -183,7 +272,7 @@ where
             coded: scene.counts().codes > 0,
         };
         let light = Light::<A, SAMPLES, EMITTERS, L, _>::with_sight(scene, sending)?;
-        Ok(Box::new(light))
+        Ok(Box::new(Kept::new(light)))
     }
     let counts = scene.counts();
     match (counts.channels, counts.coefficients) {
@@ -267,6 +356,21 @@ impl Solution<'_> {
     /// [`Error::Receiver`] for a place or normal that is none.
     pub fn at(&self, receivers: &[([f32; 3], [f32; 3])]) -> Result<Vec<At>, Error> {
         self.light.at(&self.from, receivers)
+    }
+
+    /// What every one of some emitters gives to places with their normals, as the
+    /// mean of its channels: by place, then by emitter. With a sight of
+    /// [`Sight::None`] as if nothing were in the way.
+    ///
+    /// # Errors
+    /// [`Error::Receiver`] for a place or normal that is none.
+    pub fn terms(
+        &self,
+        receivers: &[([f32; 3], [f32; 3])],
+        emitters: Range<usize>,
+        sight: Sight,
+    ) -> Result<Vec<Vec<f32>>, Error> {
+        self.light.terms(&self.from, receivers, emitters, sight)
     }
 
     /// Irradiance resampled at (u, v), metres in the frame of a surface; `None`

@@ -134,6 +134,20 @@ pub enum What {
     Codes,
     /// What samples see of luminaires.
     Fractions,
+    /// Fields that a surface's irradiance is the sum of.
+    Fields,
+    /// Tensor grids.
+    Tensors,
+    /// Numbers of the tensors' matrices.
+    Matrices,
+    /// Meshes.
+    Meshes,
+    /// Nodes of meshes.
+    Nodes,
+    /// Triangles of meshes.
+    Triangles,
+    /// What samples contribute to nodes.
+    Shares,
 }
 
 impl fmt::Display for What {
@@ -163,6 +177,13 @@ impl fmt::Display for What {
             Self::Corners => "corners",
             Self::Codes => "codes",
             Self::Fractions => "visible fractions",
+            Self::Fields => "fields",
+            Self::Tensors => "tensors",
+            Self::Matrices => "matrices",
+            Self::Meshes => "meshes",
+            Self::Nodes => "nodes",
+            Self::Triangles => "triangles",
+            Self::Shares => "shares",
         })
     }
 }

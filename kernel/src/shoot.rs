@@ -318,6 +318,7 @@ where
                 let pair = Pair {
                     emitter: index,
                     receiver: first.wrapping_add(number as u32),
+                    unshadowed: is_luminaire && (number as u32) < surface.unshadowed,
                 };
                 let more = sight.received::<A, L>(&scene, &receiver, pair, radiosity);
                 *value = value.plus(more);

@@ -12,7 +12,7 @@ use crate::form_factor::Arithmetic;
 use crate::geometry::Receiver;
 use crate::luminance::Luminance;
 use crate::scene::Scene;
-use crate::visibility::Visibility;
+use crate::visibility::{Unoccluded, Visibility};
 
 /// An emitter and a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +23,8 @@ pub struct Pair {
     /// Index of the sample among all that receive from emitters of this kind:
     /// luminaires, or secondary ones.
     pub receiver: u32,
+    /// Whether it looks past what occludes.
+    pub unshadowed: bool,
 }
 
 /// A rung of the transfer ladder.
@@ -87,6 +89,11 @@ impl<V: Visibility> Transfer for V {
         pair: Pair,
         radiosity: L,
     ) -> L::Colour {
+        if V::CAPACITIES.occluders && pair.unshadowed {
+            let sight = &mut Unoccluded;
+            let whole = scene.received::<A, L, _>(receiver, pair.emitter, radiosity, sight);
+            return whole.middle();
+        }
         let bracket = scene.received::<A, L, V>(receiver, pair.emitter, radiosity, self);
         bracket.middle()
     }
@@ -126,6 +133,8 @@ impl Transfer for Codes {
         let Pair {
             emitter,
             receiver: number,
+            // The fractions of such samples say so.
+            unshadowed: _,
         } = pair;
         if scene.is_luminaire(emitter) {
             let fraction = scene.fraction(emitter, number);

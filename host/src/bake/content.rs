@@ -1,11 +1,12 @@
 //! What a planned scene puts into its tables: surface by surface, then emitter by
 //! emitter.
 
+use super::fields::Fields;
 use super::{TooLarge, codes};
 use crate::occlusion::Occlusion;
 use crate::plan::patches::Patch;
 use crate::plan::patches::shapes::{convex_pieces, first_moment, hull, signed_area};
-use crate::plan::{Band, Plan, SurfacePlan};
+use crate::plan::{Band, Plan, Point, SurfacePlan};
 use crate::scene::Scene;
 use crate::scene::requires::requirements;
 use glam::{DVec2, DVec3};
@@ -39,6 +40,9 @@ pub(super) struct Content {
     pub(super) weights: Vec<f32>,
     pub(super) members: Vec<u16>,
     pub(super) codes: codes::Codes,
+    pub(super) fields: Fields,
+    /// Whether some emitters are points.
+    has_points: bool,
 }
 
 impl Content {
@@ -49,7 +53,7 @@ impl Content {
     ) -> Result<Self, TooLarge> {
         let mut content = Self::new(scene, plan, occlusion);
         for (surface, planned) in scene.surfaces.iter().zip(&plan.surfaces) {
-            content.surface(surface, planned);
+            content.surface(surface, planned)?;
         }
         for (index, surface) in scene.surfaces.iter().enumerate() {
             if surface.emits() {
@@ -63,6 +67,9 @@ impl Content {
             }
             for patch in &planned.patches {
                 content.patch(index, planned, patch, first_sample)?;
+            }
+            for point in &planned.points {
+                content.point(index, planned, point, first_sample)?;
             }
             first_sample += planned.samples.len();
         }
@@ -97,11 +104,18 @@ impl Content {
             weights: Vec::new(),
             members: Vec::new(),
             codes: codes::Codes::default(),
+            fields: Fields::default(),
+            has_points: plan.surfaces.iter().any(|s| !s.points.is_empty()),
         }
     }
 
-    fn surface(&mut self, surface: &crate::scene::Surface, planned: &SurfacePlan) {
+    fn surface(
+        &mut self,
+        surface: &crate::scene::Surface,
+        planned: &SurfacePlan,
+    ) -> Result<(), TooLarge> {
         let frame = &planned.frame;
+        let (first_field, fields) = self.fields.surface(planned, self.samples.len())?;
         self.surfaces.push(Surface {
             origin: single(frame.origin),
             axis_u: single(frame.u),
@@ -113,12 +127,16 @@ impl Content {
             samples: planned.samples.len() as u32,
             direct: planned.direct() as u32,
             indirect: planned.reflected() as u32,
+            unshadowed: planned.unshadowed() as u32,
+            first_field,
+            fields,
         });
         let reflectance = surface.reflectance.map(|rho| rho as f32);
         self.reflectances.extend(&reflectance[..self.channels]);
         let places = planned.samples.iter();
         self.samples
             .extend(places.map(|sample| sample.place.map(|x| x as f32)));
+        Ok(())
     }
 
     fn luminaire(
@@ -185,9 +203,29 @@ impl Content {
         self.pieces(emitter, planned, &patch.pieces)
     }
 
+    /// An emitter without loops, at the place of its one sample.
+    fn point(
+        &mut self,
+        index: usize,
+        planned: &SurfacePlan,
+        point: &Point,
+        first_sample: usize,
+    ) -> Result<(), TooLarge> {
+        let emitter = self.emitter(index, point.area);
+        self.member(first_sample + point.sample)?;
+        self.shapes.push(Shape {
+            center: planned.samples[point.sample].place.map(|x| x as f32),
+            scale: 0.0,
+            first_blocker: self.blockers.len() as u32,
+            blockers: 0,
+        });
+        self.finish(emitter);
+        Ok(())
+    }
+
     /// Whether emitters have coordinates of their own.
     fn has_shapes(&self) -> bool {
-        self.coefficients > 1 || self.occlusion.is_some()
+        self.coefficients > 1 || self.occlusion.is_some() || self.has_points
     }
 
     /// Ends an emitter of convex pieces: its own coordinates, and what can hide

@@ -5,6 +5,7 @@
 
 mod codes;
 mod content;
+mod fields;
 pub mod integers;
 mod survey;
 mod writing;

@@ -43,6 +43,13 @@ impl Content {
             weights: count(self.weights.len(), "weights")?,
             codes: count(self.codes.pairs, "codes")?,
             fractions: count(self.codes.fractions.len(), "codes")?,
+            fields: count(self.fields.fields.len(), "fields")?,
+            tensors: count(self.fields.tensors.len(), "fields")?,
+            matrices: count(self.fields.matrices.len(), "fields")?,
+            meshes: count(self.fields.meshes.len(), "fields")?,
+            nodes: count(self.fields.nodes.len(), "nodes")?,
+            triangles: count(self.fields.triangles.len(), "nodes")?,
+            shares: count(self.fields.shares.len(), "shares")?,
         })
     }
 
@@ -84,6 +91,13 @@ impl Content {
         bytes.extend_from_slice(self.codes.fractions.as_bytes());
         bytes.resize(bytes.len().next_multiple_of(4), 0);
         bytes.extend_from_slice(self.codes.words.as_bytes());
+        bytes.extend_from_slice(self.fields.fields.as_bytes());
+        bytes.extend_from_slice(self.fields.tensors.as_bytes());
+        bytes.extend_from_slice(self.fields.matrices.as_bytes());
+        bytes.extend_from_slice(self.fields.meshes.as_bytes());
+        bytes.extend_from_slice(self.fields.nodes.as_bytes());
+        bytes.extend_from_slice(self.fields.shares.as_bytes());
+        bytes.extend_from_slice(self.fields.triangles.as_bytes());
         bytes.resize(header.bytes as usize, 0);
         let mut words = vec![0_u32; bytes.len() / 4];
         words.as_mut_bytes().copy_from_slice(&bytes);

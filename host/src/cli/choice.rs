@@ -20,18 +20,20 @@ pub(super) struct RungArguments {
     /// vertex-rays, none (light passes through everything).
     #[arg(long, value_name = "RUNG")]
     visibility: Option<String>,
-    /// What shoots reflected light: isolux (the default of open scenes), linear
-    /// (of rooms).
+    /// What shoots reflected light: points (the default of open scenes where they
+    /// hold), linear (of others), isolux (the paper's).
     #[arg(long, value_name = "RUNG")]
     emitters: Option<String>,
     /// How emitter-to-receiver terms are had: exact (the default), codes (written
     /// beforehand: no occluder is on the device).
     #[arg(long, value_name = "RUNG")]
     transfer: Option<String>,
-    /// How samples are placed: isolux.
+    /// How samples are placed: error (where they lessen the error most, the
+    /// default), isolux (the paper's).
     #[arg(long, value_name = "RUNG")]
     placement: Option<String>,
-    /// How samples become an image: cone.
+    /// How samples become an image: tensor (the default of open scenes), stencil,
+    /// cone (the paper's).
     #[arg(long, value_name = "RUNG")]
     reconstruction: Option<String>,
 }
@@ -52,10 +54,10 @@ const BUILT: [(&str, &[&str]); 6] = [
         ],
     ),
     ("visibility", &["none", "vertex-rays", "exact"]),
-    ("emitters", &["isolux", "linear"]),
+    ("emitters", &["isolux", "points", "linear"]),
     ("transfer", &["exact", "codes"]),
-    ("placement", &["isolux"]),
-    ("reconstruction", &["cone"]),
+    ("placement", &["isolux", "error"]),
+    ("reconstruction", &["cone", "stencil", "tensor"]),
 ];
 
 /// What shoots reflected light.
@@ -63,8 +65,29 @@ const BUILT: [(&str, &[&str]); 6] = [
 pub(super) enum Emitters {
     /// The paper's: bands between isolux outlines.
     Isolux,
+    /// The samples themselves, each for the area around it.
+    Points,
     /// Patches with linear radiosity.
     Linear,
+}
+
+/// How samples are placed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Placement {
+    /// The paper's: on isolux outlines.
+    Isolux,
+    /// Where they lessen the error most.
+    Error,
+}
+
+impl Placement {
+    /// Its name on the ladder.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Isolux => "isolux",
+            Self::Error => "error",
+        }
+    }
 }
 
 impl Emitters {
@@ -72,6 +95,7 @@ impl Emitters {
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Isolux => "isolux",
+            Self::Points => "points",
             Self::Linear => "linear",
         }
     }
@@ -93,6 +117,9 @@ pub(super) struct Choices {
     pub(super) sight: Sight,
     pub(super) emitters: Emitters,
     pub(super) transfer: Transfer,
+    pub(super) placement: Placement,
+    /// Whether samples are spread by the paper's filter.
+    pub(super) cone: bool,
 }
 
 /// Surfaces that reflect, above which light goes to and fro so much that a
@@ -140,9 +167,20 @@ pub(super) fn choices(
             &["exact", "none"],
         )?;
     }
+    let arithmetic = arithmetic(rungs.arithmetic.as_deref())?;
+    let cone = rungs.reconstruction.as_deref() == Some("cone");
+    let of_the_paper = cone || rungs.emitters.as_deref() == Some("isolux");
+    let placement = match rungs.placement.as_deref() {
+        Some("isolux") => Placement::Isolux,
+        Some(_) => Placement::Error,
+        None if of_the_paper || arithmetic.is_integer() => Placement::Isolux,
+        None => Placement::Error,
+    };
     let choices = Choices {
-        arithmetic: arithmetic(rungs.arithmetic.as_deref())?,
+        arithmetic,
         transfer,
+        placement,
+        cone: cone || placement == Placement::Isolux,
         sight: match rungs.visibility.as_deref() {
             Some("vertex-rays") => Sight::VertexRays,
             Some("none") => Sight::None,
@@ -152,8 +190,10 @@ pub(super) fn choices(
         },
         emitters: match rungs.emitters.as_deref() {
             Some("linear") => Emitters::Linear,
+            Some("points") => Emitters::Points,
             Some(_) => Emitters::Isolux,
             None if is_room || transfer == Transfer::Codes => Emitters::Linear,
+            None if placement == Placement::Error => Emitters::Points,
             None => Emitters::Isolux,
         },
     };

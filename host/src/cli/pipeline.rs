@@ -57,6 +57,14 @@ pub(super) fn plan(
     let needs = requirements(&scene);
     let choices = choice::choices(rungs, &scene, &needs)?;
     let plan = match choices.emitters {
+        Emitters::Points => {
+            let once = judge(&scene, Reflections::AtMost(1))?;
+            let progress = Progress::start("planning", 0);
+            let field = |places: &[(DVec3, DVec3)]| once.irradiance_at(places);
+            let plan = plan::error_driven(&scene, &scene.budget, &field);
+            progress.finish();
+            plan.map(|plan| plan.expect("points"))
+        }
         Emitters::Isolux => {
             // The samples follow the light after one reflection: it has the
             // shape of all of it.

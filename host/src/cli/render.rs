@@ -281,7 +281,7 @@ fn rendered<'a>(judged: &'a Judged<'a>, bounces: Option<u32>, files: Vec<String>
         SurfaceErrors {
             name: judged.name(compared.surface),
             samples: planned.samples.len(),
-            emitters: planned.bands.len() + planned.patches.len(),
+            emitters: planned.outlines().len(),
             error: compared.errors,
             out_of_reach: compared.out_of_reach,
         }

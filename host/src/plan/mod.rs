@@ -7,6 +7,8 @@
 //! radiosity do the same with a tenth of the emitters. A planned scene is data:
 //! [`crate::bake`] turns it into tables.
 
+mod error;
+pub mod fields;
 mod isolux;
 mod map;
 mod outline;
@@ -18,6 +20,8 @@ mod spacing;
 use crate::scene::frame::Frame;
 use crate::scene::{Budget, Scene, Surface};
 use glam::DVec3;
+pub use error::error_driven;
+use fields::Field as Term;
 use patches::Patch;
 use std::f64::consts::PI;
 
@@ -40,8 +44,23 @@ pub struct SurfacePlan {
     /// The secondary emitters whose radiosity is linear; a plan has either these
     /// or bands.
     pub patches: Vec<Patch>,
+    /// The secondary emitters that are points.
+    pub points: Vec<Point>,
+    /// What its irradiance is the sum of; none where the cone filter spreads the
+    /// samples.
+    pub fields: Vec<Term>,
     /// Radius of the cone filter in metres; 0 where there are no samples.
     pub filter_radius: f64,
+}
+
+/// A sample that shoots what reaches it: a secondary emitter for receivers that
+/// are farther off than its neighbours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Index into [`SurfacePlan::samples`].
+    pub sample: usize,
+    /// The area in m² that it stands for.
+    pub area: f64,
 }
 
 impl SurfacePlan {
@@ -52,18 +71,25 @@ impl SurfacePlan {
             samples: Vec::new(),
             bands: Vec::new(),
             patches: Vec::new(),
+            points: Vec::new(),
+            fields: Vec::new(),
             filter_radius: 0.0,
         }
     }
 
     /// How many samples receive light from luminaires alone.
     pub fn direct(&self) -> usize {
-        self.tagged(Tag::Direct)
+        self.receiving(Receives::Unshadowed) + self.receiving(Receives::Direct)
+    }
+
+    /// How many of these look past what occludes.
+    pub fn unshadowed(&self) -> usize {
+        self.receiving(Receives::Unshadowed)
     }
 
     /// How many samples receive reflected light alone.
     pub fn reflected(&self) -> usize {
-        self.tagged(Tag::Reflected)
+        self.receiving(Receives::Reflected)
     }
 
     /// The loops of each secondary emitter, in the order of the tables: a place in
@@ -75,14 +101,16 @@ impl SurfacePlan {
             band.loops.iter().map(outline).collect()
         });
         let patches = self.patches.iter().map(|patch| patch.pieces.clone());
-        bands.chain(patches).collect()
+        let points = self.points.iter().map(|_| Vec::new());
+        bands.chain(patches).chain(points).collect()
     }
 
     /// The area of each secondary emitter in m².
     pub fn areas(&self) -> Vec<f64> {
         let bands = self.bands.iter().map(|band| band.area);
         let patches = self.patches.iter().map(|patch| patch.area);
-        bands.chain(patches).collect()
+        let points = self.points.iter().map(|point| point.area);
+        bands.chain(patches).chain(points).collect()
     }
 
     /// What the mean irradiance of each secondary emitter is had from: indices
@@ -98,11 +126,13 @@ impl SurfacePlan {
                 .map(|&(member, [mean, ..])| (member, mean))
                 .collect()
         });
-        bands.chain(patches).collect()
+        let points = self.points.iter().map(|point| vec![(point.sample, 1.0)]);
+        bands.chain(patches).chain(points).collect()
     }
 
-    fn tagged(&self, tag: Tag) -> usize {
-        self.samples.iter().filter(|s| s.tag == tag).count()
+    fn receiving(&self, kind: Receives) -> usize {
+        let samples = self.samples.iter();
+        samples.filter(|s| s.tag.receives() == kind).count()
     }
 }
 
@@ -133,6 +163,28 @@ pub enum Tag {
     Direct,
     /// Inside a patch, for reflected light.
     Reflected,
+    /// At a node of a tensor grid, for all light.
+    Grid,
+    /// At a node of a tensor grid, for what luminaires would send if nothing
+    /// occluded.
+    Lit,
+    /// Where a luminaire is seen in part.
+    Penumbra,
+    /// Where reflected light changes, for reflected light.
+    Contact,
+}
+
+/// Which light reaches a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Receives {
+    /// All of it.
+    All,
+    /// From luminaires, past what occludes.
+    Unshadowed,
+    /// From luminaires.
+    Direct,
+    /// From what reflects.
+    Reflected,
 }
 
 impl Tag {
@@ -144,6 +196,20 @@ impl Tag {
             Self::Peak => "peak",
             Self::Direct => "direct",
             Self::Reflected => "reflected",
+            Self::Grid => "grid",
+            Self::Lit => "lit",
+            Self::Penumbra => "penumbra",
+            Self::Contact => "contact",
+        }
+    }
+
+    /// Which light reaches a sample with this tag.
+    pub fn receives(self) -> Receives {
+        match self {
+            Self::Edge | Self::Isolux | Self::Peak | Self::Grid => Receives::All,
+            Self::Lit => Receives::Unshadowed,
+            Self::Direct | Self::Penumbra => Receives::Direct,
+            Self::Reflected | Self::Contact => Receives::Reflected,
         }
     }
 }

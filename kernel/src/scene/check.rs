@@ -100,7 +100,8 @@ pub(super) fn records(scene: &Scene<'_>) -> Result<(), Error> {
         let there = u32::from(member) < scene.header.counts.samples;
         ranges(What::Members, index, there)?;
     }
-    codes(scene)
+    codes(scene)?;
+    super::fields::check(scene)
 }
 
 /// One code or fraction for each pair, and no occluders beside them.
@@ -155,7 +156,8 @@ fn surfaces(scene: &Scene<'_>) -> Result<(), Error> {
         })?;
         // All samples receive all light, or each one kind of it.
         let of_a_kind = surface.direct.checked_add(surface.indirect);
-        let sound = of_a_kind.is_some_and(|some| some == 0 || some == surface.samples);
+        let sound = of_a_kind.is_some_and(|some| some == 0 || some == surface.samples)
+            && surface.unshadowed <= surface.direct;
         ranges(What::Surfaces, index, sound)?;
     }
     ranges(What::Samples, sample, sample == scene.header.counts.samples)
@@ -170,7 +172,9 @@ fn emitters(scene: &Scene<'_>) -> Result<(), Error> {
         let sound = emitter.surface < counts.surfaces
             && inside(emitter.first_loop, emitter.loops, counts.loops)
             && inside(emitter.first_member, emitter.members, counts.members)
-            && (index >= counts.luminaires || emitter.members == 0);
+            && (index >= counts.luminaires || (emitter.members == 0 && emitter.loops > 0))
+            // A point lies at the centre of its shape.
+            && (emitter.loops > 0 || counts.shapes > 0);
         ranges(What::Emitters, index, sound)?;
     }
     Ok(())
@@ -252,7 +256,7 @@ fn surface_is_sound(surface: &Surface) -> bool {
         && coordinates(&surface.size)
         && surface.size.iter().all(|&length| length > 0.0)
         && non_negative(surface.filter_radius)
-        && (surface.samples == 0 || surface.filter_radius > 0.0)
+        && (surface.samples == 0 || surface.fields > 0 || surface.filter_radius > 0.0)
 }
 
 fn loop_is_sound(outline: &Loop) -> bool {

@@ -174,15 +174,7 @@ impl Scene<'_> {
             return L::Colour::DARK;
         };
         if method == Method::Point {
-            let to = facing.center(shape) - receiver.position();
-            let height = receiver.normal().dot(to);
-            if height <= 0.0 {
-                return L::Colour::DARK;
-            }
-            // Twice by the distance: its square could leave the range.
-            let inverse = 1.0 / to.norm_squared();
-            let area = emitter.area * core::f32::consts::FRAC_1_PI * fraction;
-            let factor = (area * facing.height * inverse) * (height * inverse);
+            let factor = facing.point(receiver, shape, emitter.area * fraction);
             return radiosity.received(factor, || [0.0; 2]);
         }
         let whole = facing.whole(receiver, shape, false);

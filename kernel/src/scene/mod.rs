@@ -5,14 +5,14 @@
 //! length; after that nothing can fail. The records are in [`records`]; the
 //! whole format:
 //!
-//! # Format, version 3
+//! # Format, version 4
 //!
 //! Little-endian, 4-byte aligned, no padding but where said. A header
 //! ([`records::Header`]) gives the counts; then follow, without gaps,
 //!
 //! | section | record | bytes each |
 //! | --- | --- | --- |
-//! | surfaces | [`records::Surface`] | 76 |
+//! | surfaces | [`records::Surface`] | 88 |
 //! | reflectances | `f32`, one a surface and channel | 4 |
 //! | emitters | [`records::Emitter`] | 24 |
 //! | exitances | `f32`, π L in W m⁻², one a luminaire and channel | 4 |
@@ -30,6 +30,13 @@
 //! | members | `u16` sample indices, padded to 4 bytes with 0 | 2 |
 //! | fractions | `u16`, visible fractions in 65 535ths, padded to 4 bytes with 0 | 2 |
 //! | codes | [`Code`], 8 a word, the first in the lowest bits, padded with 0 | ½ |
+//! | fields | [`fields::Field`] | 8 |
+//! | tensors | [`fields::Tensor`] | 52 |
+//! | matrices | `f32`, what makes Chebyshev coefficients of values at nodes | 4 |
+//! | meshes | [`fields::Mesh`] | 28 |
+//! | nodes | [`fields::Node`] | 12 |
+//! | shares | [`fields::Share`] | 4 |
+//! | triangles | `[u16; 3]`, nodes of their mesh, padded to 4 bytes with 0 | 6 |
 //!
 //! Luminaires come first among the emitters and have no members. A secondary
 //! emitter reflects, with its surface's reflectance, what its members receive:
@@ -43,9 +50,14 @@
 //! written in the fractions (luminaires) and codes (what reflects). Both are
 //! ordered by emitter, and for one emitter by receiver; where there are codes
 //! but no fractions, every luminaire is seen whole.
+//!
+//! A secondary emitter without loops is a point at the centre of its shape. What
+//! becomes of the samples' values between them is said with
+//! [`resample`](crate::resample).
 
 pub(crate) mod check;
 mod coded;
+pub mod fields;
 mod received;
 pub mod records;
 
@@ -60,11 +72,12 @@ use crate::luminance::Colour;
 use crate::visibility::records::{Blocker, Edge, Face, Occluder, Occluders};
 use core::mem::size_of;
 use core::ops::Range;
+use fields::{Field, Fields, Mesh, Node, Share, Tensor};
 use records::{Counts, Emitter, Header, Loop, Shape, Sight, Surface};
 use zerocopy::FromBytes;
 
 /// The version of the format that this kernel reads.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 
 /// The first eight bytes of every table.
 pub const MAGIC: [u8; 8] = *b"isolux\r\n";
@@ -97,6 +110,7 @@ pub struct Scene<'t> {
     members: &'t [u16],
     fractions: &'t [u16],
     codes: &'t [u32],
+    fields: Fields<'t>,
 }
 
 /// Splits `count` records off the front of `bytes`.
@@ -135,6 +149,7 @@ impl<'t> Scene<'t> {
         members: &[],
         fractions: &[],
         codes: &[],
+        fields: Fields::NONE,
     };
 
     /// Reads and checks baked tables in place; nothing is copied.
@@ -167,7 +182,14 @@ impl<'t> Scene<'t> {
         let (weights, rest) = section::<f32>(rest, counts.weights)?;
         let (members, rest) = section::<u16>(rest, even(counts.members))?;
         let (fractions, rest) = section::<u16>(rest, even(counts.fractions))?;
-        let (codes, _) = section::<u32>(rest, counts.codes.div_ceil(coded::A_WORD))?;
+        let (codes, rest) = section::<u32>(rest, counts.codes.div_ceil(coded::A_WORD))?;
+        let (fields, rest) = section::<Field>(rest, counts.fields)?;
+        let (tensors, rest) = section::<Tensor>(rest, counts.tensors)?;
+        let (matrices, rest) = section::<f32>(rest, counts.matrices)?;
+        let (meshes, rest) = section::<Mesh>(rest, counts.meshes)?;
+        let (nodes, rest) = section::<Node>(rest, counts.nodes)?;
+        let (shares, rest) = section::<Share>(rest, counts.shares)?;
+        let (triangles, _) = section::<[u16; 3]>(rest, counts.triangles)?;
         let scene = Self {
             header,
             surfaces,
@@ -191,6 +213,15 @@ impl<'t> Scene<'t> {
             members: slice(members, 0, counts.members),
             fractions: slice(fractions, 0, counts.fractions),
             codes,
+            fields: Fields {
+                fields,
+                tensors,
+                matrices,
+                meshes,
+                nodes,
+                shares,
+                triangles,
+            },
         };
         check::records(&scene)?;
         Ok(scene)
@@ -249,6 +280,11 @@ impl<'t> Scene<'t> {
         } else {
             first.saturating_add(surface.direct as usize)..end
         }
+    }
+
+    /// What surfaces are reconstructed from.
+    pub fn fields(&self) -> Fields<'t> {
+        self.fields
     }
 
     /// How many of everything there are.
@@ -399,6 +435,14 @@ pub const fn required_bytes(counts: &Counts) -> Option<u32> {
         (even(counts.members) as u64, size_of::<u16>() as u64),
         (even(counts.fractions) as u64, size_of::<u16>() as u64),
         (counts.codes.div_ceil(coded::A_WORD) as u64, 4),
+        (counts.fields as u64, size_of::<Field>() as u64),
+        (counts.tensors as u64, size_of::<Tensor>() as u64),
+        (counts.matrices as u64, size_of::<f32>() as u64),
+        (counts.meshes as u64, size_of::<Mesh>() as u64),
+        (counts.nodes as u64, size_of::<Node>() as u64),
+        (counts.shares as u64, size_of::<Share>() as u64),
+        // An odd number of triangles ends on a half-word: it is filled up.
+        (even(counts.triangles) as u64, size_of::<[u16; 3]>() as u64),
     ];
     let mut bytes = size_of::<Header>() as u64;
     let mut rest: &[(u64, u64)] = &sections;

@@ -32,6 +32,9 @@ impl<'t> Scene<'t> {
             return dark;
         };
         let shape = self.shapes.get(index);
+        if let Some(shape) = shape.filter(|_| emitter.loops == 0) {
+            return Bracket::exactly(self.from_point(receiver, emitter, shape, radiosity));
+        }
         let occluded = V::CAPACITIES.occluders && shape.is_some_and(|shape| shape.blockers > 0);
         if L::COEFFICIENTS == 1 && !occluded {
             let factor = self.form_factor::<A>(receiver, emitter);
@@ -68,6 +71,24 @@ impl<'t> Scene<'t> {
             total = total.plus(whole.of::<A, L>(looked, parts, outline, corners, radiosity));
         }
         total
+    }
+
+    /// What a receiver gets from an emitter that is a point: B A cos θ_r cos θ_e /
+    /// (π r²), A being the area it stands for. It stands for it where the receiver
+    /// is farther than the points are from each other.
+    #[inline(always)]
+    fn from_point<L: Luminance>(
+        &self,
+        receiver: &Receiver<f32>,
+        emitter: &Emitter,
+        shape: &Shape,
+        radiosity: L,
+    ) -> L::Colour {
+        let factor = match self.facing(receiver, emitter) {
+            Some(facing) => facing.point(receiver, shape, emitter.area),
+            None => 0.0,
+        };
+        radiosity.received(factor, || [0.0; 2])
     }
 
     /// What can hide an emitter.
@@ -118,10 +139,18 @@ impl Facing<'_> {
         )
     }
 
-    /// The centroid of an emitter, in metres.
+    /// The form factor of a small area at the centroid of an emitter: A cos θ_r
+    /// cos θ_e / (π r²), 0 where the receiver faces away.
     #[inline(always)]
-    pub(super) fn center(&self, shape: &Shape) -> Vector<f32> {
-        self.surface.place(shape.center)
+    pub(super) fn point(&self, receiver: &Receiver<f32>, shape: &Shape, area: f32) -> f32 {
+        let to = self.surface.place(shape.center) - receiver.position();
+        let height = receiver.normal().dot(to);
+        if height <= 0.0 {
+            return 0.0;
+        }
+        // Twice by the distance: its square could leave the range.
+        let inverse = 1.0 / to.norm_squared();
+        (area * core::f32::consts::FRAC_1_PI * self.height * inverse) * (height * inverse)
     }
 
     #[inline(always)]

@@ -107,6 +107,20 @@ pub struct Counts {
     /// Visible fractions: one for each luminaire and each sample that receives
     /// direct light, or none.
     pub fractions: u32,
+    /// Fields that surfaces are reconstructed from.
+    pub fields: u32,
+    /// Tensor grids.
+    pub tensors: u32,
+    /// Numbers of the tensors' matrices.
+    pub matrices: u32,
+    /// Meshes.
+    pub meshes: u32,
+    /// Nodes of meshes.
+    pub nodes: u32,
+    /// Triangles of meshes.
+    pub triangles: u32,
+    /// What samples contribute to nodes.
+    pub shares: u32,
 }
 
 impl Counts {
@@ -131,6 +145,13 @@ impl Counts {
         weights: 0,
         codes: 0,
         fractions: 0,
+        fields: 0,
+        tensors: 0,
+        matrices: 0,
+        meshes: 0,
+        nodes: 0,
+        triangles: 0,
+        shares: 0,
     };
 }
 
@@ -159,6 +180,13 @@ pub struct Surface {
     /// ... and how many, the others, only from what reflects. Both are 0 where
     /// every sample receives all light.
     pub indirect: u32,
+    /// How many of the samples for direct light, the first, look past what
+    /// occludes.
+    pub unshadowed: u32,
+    /// Where the fields begin whose sum its irradiance is, ...
+    pub first_field: u32,
+    /// ... and how many there are; 0 where the cone filter spreads the samples.
+    pub fields: u32,
 }
 
 impl Surface {

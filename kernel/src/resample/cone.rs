@@ -1,4 +1,4 @@
-//! From samples to a grid: the cone filter of the paper.
+//! The cone filter of the paper.
 //!
 //! ```text
 //! E(u, v) = Σ (1 − d_i/r) E_i / Σ (1 − d_i/r)      over all d_i < r,
@@ -10,6 +10,7 @@
 //! within r, r is doubled until there is one: a stated case, counted in what
 //! the functions return, never 0/0.
 
+use super::Row;
 use crate::Error;
 use crate::error::What;
 use crate::form_factor::Arithmetic;
@@ -69,14 +70,6 @@ pub fn cone<R: Root<f32>, C: Colour>(
         radius = radius + radius;
     }
     None
-}
-
-/// How a row was resampled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Row {
-    /// Places that had no sample within the filter's radius.
-    pub out_of_reach: u32,
 }
 
 impl<A, const SAMPLES: usize, const EMITTERS: usize, L, V> Light<'_, A, SAMPLES, EMITTERS, L, V>

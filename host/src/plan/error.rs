@@ -1,0 +1,286 @@
+//! Error-driven placement: samples go where they lessen the error most.
+//!
+//! For every surface the planner tries many ways to reconstruct its irradiance,
+//! measures each against the light it knows, and keeps those that no other beats
+//! with as few samples. The budget then goes, a step at a time, to the surface whose
+//! error weighs most: an error counts with the power that the surface receives.
+
+use super::fields::tensor::{Nodes, Tensor};
+use super::fields::Field as Term;
+use super::{Field, Plan, Point, Sample, SurfacePlan, Tag, Unplannable, spacing};
+use crate::scene::frame::Frame;
+use crate::scene::{Budget, Scene, Surface};
+use glam::DVec3;
+
+/// Nodes along a side of a tensor grid.
+const COUNTS: std::ops::RangeInclusive<usize> = 2..=12;
+
+/// Places along each side of a surface at which a reconstruction is measured.
+const MEASURED: usize = 28;
+
+/// The largest relative error of a surface with which it needs no more samples
+/// where the scene sets no budget.
+const WELL: f64 = 0.005;
+
+/// A relative error counts where there is more than this part of the surface's
+/// largest irradiance.
+const FAINT: f64 = 1e-3;
+
+/// Distance of points that shoot from what they light, in distances between them,
+/// from which on they stand for their surface to within 0.3 %.
+const FAR: f64 = 1.2;
+
+/// What is known of a way to reconstruct a surface.
+#[derive(Clone, Debug)]
+struct Candidate {
+    tensor: Tensor,
+    /// The largest relative error.
+    error: f64,
+}
+
+/// Plans a scene in which nothing hides anything from anything.
+///
+/// `total` gives the irradiance after all reflections. Samples are the nodes of
+/// tensor grids ([`super::fields`]), and where no surface is nearer to another one
+/// than its samples are to each other they are also what shoots; else `None`: the
+/// scene wants patches.
+///
+/// # Errors
+/// [`Unplannable`] where the budget is too small, or too large for the tables.
+pub fn error_driven(
+    scene: &Scene,
+    budget: &Budget,
+    total: &Field<'_>,
+) -> Result<Option<Plan>, Unplannable> {
+    let ladders: Vec<Option<Ladder>> = scene
+        .surfaces
+        .iter()
+        .map(|surface| surface.reflects().then(|| Ladder::new(scene, surface, total)))
+        .collect();
+    let chosen = divide(&ladders, budget)?;
+    let surfaces: Vec<SurfacePlan> = (scene.surfaces.iter().zip(&ladders))
+        .zip(&chosen)
+        .map(|((surface, ladder), &step)| match ladder {
+            Some(ladder) => ladder.plan(step),
+            None => SurfacePlan::without_samples(Frame::new(surface)),
+        })
+        .collect();
+    let plan = Plan { surfaces };
+    Ok(points_stand_for_surfaces(scene, &plan).then_some(plan))
+}
+
+/// The candidates of one surface, the number of samples rising and the error
+/// falling.
+struct Ladder {
+    frame: Frame,
+    area: f64,
+    /// Power received in W.
+    power: f64,
+    steps: Vec<Candidate>,
+}
+
+impl Ladder {
+    fn new(scene: &Scene, surface: &Surface, total: &Field<'_>) -> Self {
+        let frame = Frame::new(surface);
+        let measured: Vec<[f64; 2]> = (0..MEASURED * MEASURED)
+            .map(|k| frame.cell_center(k % MEASURED, k / MEASURED, MEASURED, MEASURED))
+            .filter(|&(u, v)| frame.contains(u, v))
+            .map(|(u, v)| [u, v])
+            .collect();
+        let truth = at(&frame, &measured, total);
+        let mean = truth.iter().sum::<f64>() / truth.len().max(1) as f64;
+        let mut factors = vec![None];
+        factors.extend(sources(scene, surface, &frame).into_iter().map(Some));
+        let mut all = Vec::new();
+        for nodes in Nodes::ALL {
+            for along_u in COUNTS {
+                for along_v in COUNTS {
+                    let grid = Tensor::over(&frame, nodes, [along_u, along_v], None);
+                    let values = at(&frame, &grid.places(), total);
+                    all.extend(factors.iter().filter_map(|&factor| {
+                        let tensor = Tensor { factor, ..grid.clone() };
+                        let error = worst(&tensor, &values, &measured, &truth)?;
+                        Some(Candidate { tensor, error })
+                    }));
+                }
+            }
+        }
+        all.sort_by(|a, b| {
+            let samples = a.tensor.samples().cmp(&b.tensor.samples());
+            samples.then(a.error.total_cmp(&b.error))
+        });
+        let mut steps: Vec<Candidate> = Vec::new();
+        for candidate in all {
+            if steps.last().is_none_or(|last| candidate.error < last.error) {
+                steps.push(candidate);
+            }
+        }
+        if std::env::var("LADDER").is_ok() {
+            for c in &steps { eprintln!("{} {} x {} {:?} {:?} {:.4} %", surface.name, c.tensor.nodes[0].len(), c.tensor.nodes[1].len(), c.tensor.factor, c.tensor.nodes, 100.0*c.error); }
+        }
+        Self {
+            frame,
+            area: surface.area,
+            power: mean * surface.area,
+            steps,
+        }
+    }
+
+    fn plan(&self, step: usize) -> SurfacePlan {
+        let frame = self.frame.clone();
+        let Some(candidate) = self.steps.get(step) else {
+            return SurfacePlan::without_samples(frame);
+        };
+        let tensor = candidate.tensor.clone();
+        let sample = |place| Sample {
+            place,
+            vertex: place,
+            tag: Tag::Grid,
+        };
+        let areas = tensor.areas().into_iter().enumerate();
+        SurfacePlan {
+            samples: tensor.places().into_iter().map(sample).collect(),
+            points: areas.map(|(sample, area)| Point { sample, area }).collect(),
+            filter_radius: spacing::filter_radius(self.area, tensor.samples()),
+            fields: vec![Term {
+                tensor: Some(tensor),
+                mesh: None,
+            }],
+            ..SurfacePlan::without_samples(frame)
+        }
+    }
+}
+
+/// The field at places of a surface.
+fn at(frame: &Frame, places: &[[f64; 2]], field: &Field<'_>) -> Vec<f64> {
+    let receiver = |&[u, v]: &[f64; 2]| (frame.to_world(u, v), frame.normal);
+    let receivers: Vec<(DVec3, DVec3)> = places.iter().map(receiver).collect();
+    field(&receivers)
+}
+
+/// The largest relative error of a tensor grid through these values; `None` where
+/// there is none through them.
+fn worst(tensor: &Tensor, values: &[f64], places: &[[f64; 2]], truth: &[f64]) -> Option<f64> {
+    let through = tensor.through(values)?;
+    let faint = FAINT * truth.iter().copied().fold(0.0, f64::max);
+    let errors = places.iter().zip(truth).map(|(&place, &truth)| {
+        let error = (through.at(place) - truth).abs();
+        error / truth.max(faint).max(f64::MIN_POSITIVE)
+    });
+    Some(errors.fold(0.0, f64::max))
+}
+
+/// s of everything that a surface may be lit by: (d·n_r)(−d·n_s) with d the way to the
+/// source's centroid, on the surface s_0 + s_1 u + s_2 v; and 1.
+fn sources(scene: &Scene, surface: &Surface, frame: &Frame) -> Vec<[f64; 3]> {
+    let mut all = vec![[1.0, 0.0, 0.0]];
+    for source in &scene.surfaces {
+        if std::ptr::eq(source, surface) || !(source.emits() || source.reflects()) {
+            continue;
+        }
+        let d = source.center() - frame.origin;
+        let height = d.dot(frame.normal);
+        let factor = [
+            height * -d.dot(source.normal),
+            height * frame.u.dot(source.normal),
+            height * frame.v.dot(source.normal),
+        ];
+        let largest = factor.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        if height > 0.0 && largest > 0.0 {
+            all.push(factor.map(|x| x / largest));
+        }
+    }
+    all
+}
+
+/// Which candidate every surface takes.
+fn divide(ladders: &[Option<Ladder>], budget: &Budget) -> Result<Vec<usize>, Unplannable> {
+    let count = |chosen: &[usize]| -> u64 {
+        let each = ladders.iter().zip(chosen).map(|(ladder, &step)| {
+            let steps = ladder.as_ref().map(|ladder| &ladder.steps);
+            steps.and_then(|steps| steps.get(step)).map_or(0, |c| c.tensor.samples())
+        });
+        each.sum::<usize>() as u64
+    };
+    let mut chosen = vec![0; ladders.len()];
+    let allowed = budget.samples.unwrap_or(super::MOST_SAMPLES);
+    if allowed > super::MOST_SAMPLES {
+        return Err(Unplannable::TooMany {
+            asked: allowed,
+            most: super::MOST_SAMPLES,
+        });
+    }
+    let needed = count(&chosen);
+    if needed > allowed {
+        return Err(Unplannable::Samples { allowed, needed });
+    }
+    // What cannot grow within the budget is left as it is; the others go on.
+    let mut open: Vec<usize> = (0..ladders.len()).filter(|&k| ladders[k].is_some()).collect();
+    let most = ladders.iter().flatten().map(|l| l.power).fold(0.0, f64::max);
+    let loss = |k: usize, step: usize| {
+        let ladder = ladders[k].as_ref();
+        ladder.map_or(0.0, |ladder| {
+            ladder.steps[step].error * ladder.power / most.max(f64::MIN_POSITIVE)
+        })
+    };
+    while let Some(&worst) = open
+        .iter()
+        .max_by(|&&a, &&b| loss(a, chosen[a]).total_cmp(&loss(b, chosen[b])))
+    {
+        let steps = ladders[worst].as_ref().map_or(0, |ladder| ladder.steps.len());
+        let step = chosen[worst];
+        let well = budget.samples.is_none()
+            && ladders[worst].as_ref().is_some_and(|l| l.steps[step].error <= WELL);
+        let mut tried = chosen.clone();
+        tried[worst] = step + 1;
+        if well || step + 1 >= steps || count(&tried) > allowed {
+            open.retain(|&k| k != worst);
+        } else {
+            chosen = tried;
+        }
+    }
+    Ok(chosen)
+}
+
+/// Whether the points are farther from everything they light than [`FAR`] times
+/// their distance from each other.
+fn points_stand_for_surfaces(scene: &Scene, plan: &Plan) -> bool {
+    plan.surfaces.iter().enumerate().all(|(index, planned)| {
+        let Some(tensor) = planned.fields.first().and_then(|field| field.tensor.as_ref()) else {
+            return true;
+        };
+        let rectangle = planned.frame.size_u * planned.frame.size_v;
+        if (scene.surfaces[index].area - rectangle).abs() > 1e-6 * rectangle {
+            return false;
+        }
+        let gap = |axis: usize| {
+            let nodes = tensor.nodes[axis].windows(2);
+            nodes.map(|pair| pair[1] - pair[0]).fold(0.0, f64::max) * tensor.half[axis]
+        };
+        let near = FAR * gap(0).max(gap(1));
+        let points: Vec<DVec3> = tensor
+            .places()
+            .iter()
+            .map(|&[u, v]| planned.frame.to_world(u, v))
+            .collect();
+        let normal = planned.frame.normal;
+        scene.surfaces.iter().zip(&plan.surfaces).enumerate().all(|(other, (lit, its))| {
+            let in_front = lit.vertices.iter().any(|&v| (v - planned.frame.origin).dot(normal) > 0.0);
+            let faced = || {
+                let height = |&point: &DVec3| (point - its.frame.origin).dot(its.frame.normal);
+                points.iter().any(|point| height(point) > 0.0)
+            };
+            if other == index || !lit.reflects() || !in_front || !faced() {
+                return true;
+            }
+            points.iter().all(|&point| distance(point, &its.frame) >= near)
+        })
+    })
+}
+
+/// The distance of a place from the bounding rectangle of a surface.
+fn distance(place: DVec3, frame: &Frame) -> f64 {
+    let (u, v) = frame.to_local(place);
+    let nearest = frame.to_world(u.clamp(0.0, frame.size_u), v.clamp(0.0, frame.size_v));
+    place.distance(nearest)
+}

@@ -1,0 +1,47 @@
+//! Fields: what a surface's irradiance is reconstructed from.
+//!
+//! The sum of terms, each a tensor grid, a mesh, or the product of both; see
+//! [`isolux::resample`]. Here they are data, in f64, as the planner decides on
+//! them; [`crate::bake`] turns them into records.
+
+pub mod shares;
+pub mod spline;
+pub mod tensor;
+
+use tensor::Tensor;
+
+/// A term of a surface's irradiance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    /// Polynomials through samples.
+    pub tensor: Option<Tensor>,
+    /// Values on triangles; where there is a tensor as well, the fraction of its
+    /// value that is seen.
+    pub mesh: Option<Mesh>,
+}
+
+/// Triangles with linear values.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// The first of the samples its nodes are made of, among the surface's own.
+    pub first: usize,
+    /// How many they are.
+    pub samples: usize,
+    /// The corners of triangles.
+    pub nodes: Vec<Node>,
+    /// Indices of nodes.
+    pub triangles: Vec<[usize; 3]>,
+    /// The value where no triangle is; `None`: that of the nearest.
+    pub outside: Option<f64>,
+}
+
+/// A corner of triangles: its value is a constant and a sum of samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// (u, v) in the surface's frame, in metres.
+    pub place: [f64; 2],
+    /// What it has without any sample.
+    pub constant: f64,
+    /// Samples, counted from the mesh's first, and their weights.
+    pub shares: Vec<(usize, f64)>,
+}

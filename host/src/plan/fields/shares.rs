@@ -1,0 +1,117 @@
+//! What samples contribute to a value between them: weights fitted to the light
+//! that may be.
+//!
+//! What a place receives of reflected light is a sum over patches, f(x) = Σ_j b_j
+//! K_j(x), and a planner knows every K_j, shadows and all. It does not know the
+//! radiosities b_j: lamps are dimmed, walls are painted. Let them be b_j (1 + ξ +
+//! τ ξ_j) with independent ξ of unit variance. The best linear estimate of f(x) from
+//! samples f(s_k) then has the weights that solve a least-squares problem in the
+//! space of the patches (kriging with the light's own covariance): a row of
+//! numbers for every place, and the target's row as a sum of the samples'.
+//!
+//! Few samples are chosen for each target, one after the other, always the one that
+//! lessens the error most (orthogonal matching pursuit).
+
+use nalgebra::{DMatrix, DVector};
+
+/// How far patches vary by themselves, τ.
+pub const ALONE: f64 = 0.3;
+
+/// Relative error of samples that weights are made safe against, squared.
+const NOISE: f64 = 1e-4;
+
+/// The most samples that contribute to one value.
+pub const MOST: usize = 10;
+
+/// A relative error, squared, at which no more samples are wanted.
+const WELL: f64 = 4e-6;
+
+/// The row of a place: what it gets in all, and of each patch alone.
+pub fn row(parts: &[f64]) -> Vec<f64> {
+    let all: f64 = parts.iter().sum();
+    let alone = parts.iter().map(|part| ALONE * part);
+    std::iter::once(all).chain(alone).collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The samples, of those offered, that make up the target best, and their weights.
+pub fn fit(target: &[f64], offered: &[(usize, &[f64])]) -> Vec<(usize, f64)> {
+    let all = dot(target, target);
+    let near: Vec<f64> = offered.iter().map(|(_, row)| dot(row, target)).collect();
+    let lengths: Vec<f64> = offered.iter().map(|(_, row)| dot(row, row)).collect();
+    let mut chosen: Vec<usize> = Vec::new();
+    let mut weights = DVector::<f64>::zeros(0);
+    let mut left: Vec<f64> = target.to_vec();
+    while chosen.len() < MOST && dot(&left, &left) > WELL * all {
+        let gain = |k: usize| dot(offered[k].1, &left).powi(2) / lengths[k];
+        let best = (0..offered.len())
+            .filter(|k| !chosen.contains(k) && lengths[*k] > 0.0)
+            .max_by(|&a, &b| gain(a).total_cmp(&gain(b)));
+        let Some(best) = best.filter(|&k| gain(k) > 1e-9 * all) else {
+            break;
+        };
+        chosen.push(best);
+        let count = chosen.len();
+        let normal = DMatrix::from_fn(count, count, |i, j| {
+            let (i, j) = (chosen[i], chosen[j]);
+            let noise = if i == j { NOISE * lengths[i] } else { 0.0 };
+            dot(offered[i].1, offered[j].1) + noise
+        });
+        let wanted = DVector::from_fn(count, |i, _| near[chosen[i]]);
+        let Some(factor) = normal.cholesky() else {
+            chosen.pop();
+            break;
+        };
+        weights = factor.solve(&wanted);
+        left.copy_from_slice(target);
+        for (&k, weight) in chosen.iter().zip(weights.iter()) {
+            for (left, x) in left.iter_mut().zip(offered[k].1) {
+                *left -= weight * x;
+            }
+        }
+    }
+    let weights = weights.iter().copied();
+    chosen.iter().map(|&k| offered[k].0).zip(weights).collect()
+}
+
+/// The order in which places are best made samples, and after each of them the mean
+/// square of what is still unknown of all places: the incomplete Cholesky
+/// factorisation of their covariance, the place with the most left always next.
+///
+/// `weights` say how much the square of each place's error counts.
+pub fn order(rows: &[Vec<f64>], weights: &[f64], most: usize) -> Vec<(usize, f64)> {
+    let mut left: Vec<f64> = rows.iter().map(|row| dot(row, row)).collect();
+    // Orthonormal directions in the space of the patches, and what rows have of
+    // each taken away.
+    let mut rows: Vec<Vec<f64>> = rows.to_vec();
+    let mut found = Vec::new();
+    let loss = |left: &[f64]| dot(left, weights);
+    let mut total = loss(&left);
+    for _ in 0..most.min(rows.len()) {
+        let value = |k: usize| left[k] * weights[k];
+        let Some(next) = (0..rows.len()).max_by(|&a, &b| value(a).total_cmp(&value(b))) else {
+            break;
+        };
+        if value(next) <= 1e-12 * total {
+            break;
+        }
+        let length = dot(&rows[next], &rows[next]);
+        // A sample has an error of its own: it tells a little less than it could.
+        let direction = rows[next].clone();
+        for (row, left) in rows.iter_mut().zip(&mut left) {
+            let part = dot(row, &direction) / (length * (1.0 + NOISE));
+            for (x, d) in row.iter_mut().zip(&direction) {
+                *x -= part * d;
+            }
+            *left = dot(row, row);
+        }
+        left[next] = 0.0;
+        rows[next].fill(0.0);
+        total = loss(&left);
+        found.push((next, total));
+    }
+    found
+}
