@@ -18,7 +18,8 @@ use glam::DVec3;
 use isolux::visibility::records::{Blocker, Edge, Face, Occluder, Occluders, Target};
 
 use crate::scene::{PLANE_TOLERANCE, Scene, Surface};
-use shape::{Plane, Shape};
+pub(crate) use shape::Shape;
+use shape::Plane;
 pub use solids::Solids;
 
 /// More than the tables can index.
@@ -148,6 +149,11 @@ impl Occlusion {
             occlusion.record(&shape)?;
         }
         Ok(occlusion)
+    }
+
+    /// The convex polygons and closed convex bodies, in double precision.
+    pub(crate) fn shapes(&self) -> &[Shape] {
+        &self.shapes
     }
 
     /// The tables' sections.
@@ -312,7 +318,7 @@ impl Occlusion {
 }
 
 /// The faces of a shape as polygons.
-fn faces_of(shape: &Shape) -> Vec<Shape> {
+pub(crate) fn faces_of(shape: &Shape) -> Vec<Shape> {
     if shape.is_polygon() {
         return vec![shape.clone()];
     }

@@ -8,7 +8,7 @@ use crate::scene::body::{free_edges, weld_corners};
 
 /// A plane: normal·x = offset.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Plane {
+pub(crate) struct Plane {
     pub(super) normal: DVec3,
     pub(super) offset: f64,
 }
@@ -40,18 +40,18 @@ impl Plane {
 
 /// An edge between two faces, with `left` on its left seen from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Edge {
-    pub(super) ends: [usize; 2],
+pub(crate) struct Edge {
+    pub(crate) ends: [usize; 2],
     pub(super) left: usize,
     pub(super) right: usize,
 }
 
 /// A convex polygon (one face) or a closed convex body.
 #[derive(Clone, Debug)]
-pub(super) struct Shape {
-    pub(super) vertices: Vec<DVec3>,
+pub(crate) struct Shape {
+    pub(crate) vertices: Vec<DVec3>,
     pub(super) faces: Vec<Plane>,
-    pub(super) edges: Vec<Edge>,
+    pub(crate) edges: Vec<Edge>,
 }
 
 impl Shape {
@@ -122,7 +122,7 @@ impl Shape {
         })
     }
 
-    pub(super) fn is_polygon(&self) -> bool {
+    pub(crate) fn is_polygon(&self) -> bool {
         self.faces.len() == 1
     }
 

@@ -15,6 +15,7 @@ mod outline;
 pub mod patches;
 mod pool;
 mod share;
+pub mod shadow;
 mod spacing;
 
 use crate::scene::frame::Frame;

@@ -23,6 +23,7 @@ mod convex;
 mod exposed;
 mod form_factor;
 mod gather;
+mod lookout;
 mod luminaire;
 mod open;
 mod parallel;
@@ -51,6 +52,7 @@ use patch::Receiver;
 use room::Room;
 
 pub use form_factor::{form_factor, form_factor_signed};
+pub use lookout::{Looked, Lookout};
 pub use request::{Error, Reflections};
 
 /// What is promised for direct light, and for light reflected at most once
