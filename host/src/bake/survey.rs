@@ -44,6 +44,7 @@ pub(super) fn sight(tables: &Tables, points: &[Point]) -> Sight {
             let all = 0..scene.emitters().len();
             let emitters = match (surface.direct as usize, surface.indirect) {
                 (0, 0) => all,
+                _ if k < surface.unshadowed as usize => 0..0,
                 (direct, _) if k < direct => 0..luminaires,
                 _ => luminaires..all.end,
             };

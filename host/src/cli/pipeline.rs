@@ -1,6 +1,6 @@
 //! The way from a scene file to a solved scene, shared by the commands.
 
-use super::choice::{self, Emitters, RungArguments, Transfer};
+use super::choice::{self, Choices, Emitters, Placement, RungArguments, Transfer};
 use super::failure::Failure;
 use crate::bake::{self, Tables};
 use crate::occlusion::Occlusion;
@@ -56,55 +56,16 @@ pub(super) fn plan(
 ) -> Result<Planned, Failure> {
     let needs = requirements(&scene);
     let choices = choice::choices(rungs, &scene, &needs)?;
-    let plan = match choices.emitters {
-        Emitters::Points => {
-            let once = judge(&scene, Reflections::AtMost(1))?;
-            let progress = Progress::start("planning", 0);
-            let field = |places: &[(DVec3, DVec3)]| once.irradiance_at(places);
-            let plan = plan::error_driven(&scene, &scene.budget, &field);
-            progress.finish();
-            plan.map(|plan| plan.expect("points"))
-        }
-        Emitters::Isolux => {
-            // The samples follow the light after one reflection: it has the
-            // shape of all of it.
-            let once = judge(&scene, Reflections::AtMost(1))?;
-            let progress = Progress::start("planning", 0);
-            let field = |places: &[(DVec3, DVec3)]| once.irradiance_at(places);
-            let plan = plan::isolux(&scene, &scene.budget, &field);
-            progress.finish();
-            plan
-        }
-        Emitters::Linear => {
-            let direct = judge(&scene, Reflections::AtMost(0))?;
-            let progress = Progress::start("planning", 0);
-            let mean = |[r, g, b]: [f64; 3]| (r + g + b) / 3.0;
-            let field = |places: &[(DVec3, DVec3)]| -> Vec<f64> {
-                direct.light_at(places).into_iter().map(mean).collect()
-            };
-            let plan = plan::patches::linear(&scene, &scene.budget, &field);
-            progress.finish();
-            plan
-        }
-    };
-    let plan =
-        plan.map_err(|error| Failure::limit(error, "change [budget] samples in the scene"))?;
-    let occlusion = match choices.sight {
-        Sight::None => None,
-        Sight::VertexRays | Sight::Exact => Some(
-            Occlusion::for_receivers_within(&scene, reach(&scene, places))
-                .map_err(|error| Failure::limit(error, "split the scene"))?,
-        ),
-    };
-    let remedy = "lower [budget] samples or split the scene";
+    let plan = place(&scene, &choices)?;
+    let occlusion = occlusion(&scene, &choices, places)?;
     let tables = if choices.arithmetic.is_integer() {
-        bake::integers::bake(&scene, &plan).map_err(|error| Failure::limit(error, remedy))?
+        bake::integers::bake(&scene, &plan).map_err(too_large)?
     } else {
         let baked = match choices.transfer {
             Transfer::Exact => bake::bake(&scene, &plan, occlusion),
             Transfer::Codes => bake::bake_coded(&scene, &plan, occlusion),
         };
-        baked.map_err(|error| Failure::limit(error, remedy))?
+        baked.map_err(too_large)?
     };
     let planned = Planned {
         scene,
@@ -116,6 +77,89 @@ pub(super) fn plan(
     };
     planned.affordable()?;
     Ok(planned)
+}
+
+/// Decides where samples are and what shoots.
+fn place(scene: &Scene, choices: &Choices) -> Result<Plan, Failure> {
+    let mean = |[r, g, b]: [f64; 3]| (r + g + b) / 3.0;
+    let unplannable =
+        |error: plan::Unplannable| Failure::limit(error, "change [budget] samples in the scene");
+    if let Emitters::Isolux | Emitters::Points = choices.emitters {
+        // The samples follow the light after one reflection: it has the shape of all
+        // of it.
+        let once = judge(scene, Reflections::AtMost(1))?;
+        let progress = Progress::start("planning", 0);
+        let field = |places: &[(DVec3, DVec3)]| once.irradiance_at(places);
+        let plan = match choices.emitters {
+            Emitters::Isolux => plan::isolux(scene, &scene.budget, &field).map(Some),
+            _ => plan::error_driven(scene, &scene.budget, &field),
+        };
+        progress.finish();
+        if let Some(plan) = plan.map_err(unplannable)? {
+            return Ok(plan);
+        }
+    }
+    let direct = judge(scene, Reflections::AtMost(0))?;
+    let field = |places: &[(DVec3, DVec3)]| -> Vec<f64> {
+        direct.light_at(places).into_iter().map(mean).collect()
+    };
+    let progress = Progress::start("planning", 0);
+    let plan = match choices.placement {
+        Placement::Isolux => {
+            plan::patches::linear(scene, &scene.budget, &field).map_err(unplannable)
+        }
+        Placement::Error => room(scene, choices, &field),
+    };
+    progress.finish();
+    plan
+}
+
+/// Plans a room by the light of a draft, which is solved for it.
+fn room(scene: &Scene, choices: &Choices, direct: &plan::Field<'_>) -> Result<Plan, Failure> {
+    let draft = plan::patches::draft(scene, &scene.budget, direct);
+    let occlusion = occlusion(scene, choices, &[])?;
+    let tables = bake::bake(scene, &draft, occlusion).map_err(too_large)?;
+    let stop = stop(None);
+    let rung = FormFactorRung::default();
+    let light = solve::solve(&tables, rung, choices.sight, stop).map_err(refused)?;
+    let luminaires = tables.counts.luminaires as usize;
+    let emitters = tables.counts.emitters as usize;
+    let terms = |places: &plan::room::Places, emitters: std::ops::Range<usize>, sight| {
+        let single = |v: DVec3| v.as_vec3().to_array();
+        let receivers: Vec<_> = places.iter().map(|&(p, n)| (single(p), single(n))).collect();
+        let dark = || vec![vec![0.0; emitters.len()]; places.len()];
+        // Places of surfaces are places: there is nothing to refuse.
+        light.terms(&receivers, emitters.clone(), sight).unwrap_or_else(|_| dark())
+    };
+    let known = plan::room::Known {
+        draft: &draft,
+        unshadowed: &|places| terms(places, 0..luminaires, Sight::None),
+        direct: &|places| terms(places, 0..luminaires, choices.sight),
+        reflected: &|places| terms(places, luminaires..emitters, choices.sight),
+    };
+    plan::room::plan(scene, &scene.budget, &known)
+        .map_err(|error| Failure::limit(error, "change [budget] samples in the scene"))
+}
+
+/// What can hide something from receivers on the surfaces, at the named points, and at
+/// `places`.
+fn occlusion(
+    scene: &Scene,
+    choices: &Choices,
+    places: &[DVec3],
+) -> Result<Option<Occlusion>, Failure> {
+    match choices.sight {
+        Sight::None => Ok(None),
+        Sight::VertexRays | Sight::Exact => {
+            let found = Occlusion::for_receivers_within(scene, reach(scene, places));
+            found.map(Some).map_err(|error| Failure::limit(error, "split the scene"))
+        }
+    }
+}
+
+/// A plan that the tables cannot hold.
+fn too_large(error: impl std::fmt::Display) -> Failure {
+    Failure::limit(error, "lower [budget] samples or split the scene")
 }
 
 /// Where receivers may be: on the surfaces, at the named points, and at

@@ -30,6 +30,10 @@ const FAINT: f64 = 1e-3;
 /// from which on they stand for their surface to within 0.3 %.
 const FAR: f64 = 1.2;
 
+/// Surfaces up to which each of them is tried as what lights the others; in larger
+/// scenes only luminaires are.
+const FEW: usize = 4;
+
 /// What is known of a way to reconstruct a surface.
 #[derive(Clone, Debug)]
 struct Candidate {
@@ -55,7 +59,8 @@ pub fn error_driven(
     let ladders: Vec<Option<Ladder>> = scene
         .surfaces
         .iter()
-        .map(|surface| surface.reflects().then(|| Ladder::new(scene, surface, total)))
+        .enumerate()
+        .map(|(k, surface)| surface.reflects().then(|| Ladder::new(scene, k, total)))
         .collect();
     let chosen = divide(&ladders, budget)?;
     let surfaces: Vec<SurfacePlan> = (scene.surfaces.iter().zip(&ladders))
@@ -80,7 +85,8 @@ struct Ladder {
 }
 
 impl Ladder {
-    fn new(scene: &Scene, surface: &Surface, total: &Field<'_>) -> Self {
+    fn new(scene: &Scene, index: usize, total: &Field<'_>) -> Self {
+        let surface = &scene.surfaces[index];
         let frame = Frame::new(surface);
         let measured: Vec<[f64; 2]> = (0..MEASURED * MEASURED)
             .map(|k| frame.cell_center(k % MEASURED, k / MEASURED, MEASURED, MEASURED))
@@ -89,8 +95,7 @@ impl Ladder {
             .collect();
         let truth = at(&frame, &measured, total);
         let mean = truth.iter().sum::<f64>() / truth.len().max(1) as f64;
-        let mut factors = vec![None];
-        factors.extend(sources(scene, surface, &frame).into_iter().map(Some));
+        let factors = factors(scene, index, &frame);
         let mut all = Vec::new();
         for nodes in Nodes::ALL {
             for along_u in COUNTS {
@@ -114,9 +119,6 @@ impl Ladder {
             if steps.last().is_none_or(|last| candidate.error < last.error) {
                 steps.push(candidate);
             }
-        }
-        if std::env::var("LADDER").is_ok() {
-            for c in &steps { eprintln!("{} {} x {} {:?} {:?} {:.4} %", surface.name, c.tensor.nodes[0].len(), c.tensor.nodes[1].len(), c.tensor.factor, c.tensor.nodes, 100.0*c.error); }
         }
         Self {
             frame,
@@ -170,12 +172,12 @@ fn worst(tensor: &Tensor, values: &[f64], places: &[[f64; 2]], truth: &[f64]) ->
     Some(errors.fold(0.0, f64::max))
 }
 
-/// s of everything that a surface may be lit by: (d·n_r)(−d·n_s) with d the way to the
-/// source's centroid, on the surface s_0 + s_1 u + s_2 v; and 1.
-fn sources(scene: &Scene, surface: &Surface, frame: &Frame) -> Vec<[f64; 3]> {
-    let mut all = vec![[1.0, 0.0, 0.0]];
-    for source in &scene.surfaces {
-        if std::ptr::eq(source, surface) || !(source.emits() || source.reflects()) {
+/// What polynomials may be of: E itself, E^(−1/2), and √(s/E) with the s of everything
+/// that a surface may be lit by, (d·n_r)(−d·n_s), d being the way to its centroid.
+pub(super) fn factors(scene: &Scene, index: usize, frame: &Frame) -> Vec<Option<[f64; 3]>> {
+    let mut all = vec![None, Some([1.0, 0.0, 0.0])];
+    for (other, source) in scene.surfaces.iter().enumerate() {
+        if other == index || !(source.emits() || source.reflects() && scene.surfaces.len() <= FEW) {
             continue;
         }
         let d = source.center() - frame.origin;
@@ -187,7 +189,7 @@ fn sources(scene: &Scene, surface: &Surface, frame: &Frame) -> Vec<[f64; 3]> {
         ];
         let largest = factor.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         if height > 0.0 && largest > 0.0 {
-            all.push(factor.map(|x| x / largest));
+            all.push(Some(factor.map(|x| x / largest)));
         }
     }
     all

@@ -14,6 +14,7 @@ mod map;
 mod outline;
 pub mod patches;
 mod pool;
+pub mod room;
 mod share;
 pub mod shadow;
 mod spacing;

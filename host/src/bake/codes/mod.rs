@@ -82,6 +82,8 @@ struct Place {
     /// Whether it receives from luminaires, and from what reflects.
     direct: bool,
     reflected: bool,
+    /// Whether it looks past what occludes.
+    unshadowed: bool,
 }
 
 /// All samples, in the order of the tables.
@@ -97,6 +99,7 @@ fn places(scene: &Scene<'_>) -> Vec<Place> {
                     .ok(),
                 direct: direct.contains(&k),
                 reflected: reflected.contains(&k),
+                unshadowed: k < surface.unshadowed as usize,
             })
             .collect()
     };
@@ -109,7 +112,10 @@ fn fractions(scene: &Scene<'_>, places: &[Place]) -> Vec<u16> {
     let direct: Vec<&Place> = places.iter().filter(|place| place.direct).collect();
     let fractions: Vec<u16> = (0..scene.counts().luminaires as usize)
         .flat_map(|luminaire| {
-            let of_sample = |place: &&Place| fraction(scene, luminaire, place.receiver.as_ref());
+            let of_sample = |place: &&Place| match place.unshadowed {
+                true => u16::MAX,
+                false => fraction(scene, luminaire, place.receiver.as_ref()),
+            };
             let fractions: Vec<u16> = direct.par_iter().map(of_sample).collect();
             fractions
         })

@@ -15,6 +15,12 @@ pub(super) fn seen(scene: &Scene<'_>, emitter: usize, receiver: &Receiver<f32>) 
     bracket.middle()
 }
 
+/// The form factor of all of an emitter.
+fn whole(scene: &Scene<'_>, emitter: usize, receiver: &Receiver<f32>) -> f32 {
+    let emitter = scene.emitters().get(emitter);
+    emitter.map_or(0.0, |emitter| scene.form_factor::<Rung>(receiver, emitter))
+}
+
 /// A term as the coefficients of a linear radiosity make it: E = Σ t_k B_k.
 pub(super) type Term = [f32; 3];
 
@@ -79,7 +85,10 @@ impl<'a> Room<'a> {
             .flat_map(|luminaire| {
                 let of_place = |place: &Place| {
                     let receiver = place.receiver.as_ref();
-                    receiver.map_or(0.0, |receiver| seen(self.scene, luminaire, receiver).into())
+                    receiver.map_or(0.0, |receiver| match place.unshadowed {
+                        true => whole(self.scene, luminaire, receiver).into(),
+                        false => seen(self.scene, luminaire, receiver).into(),
+                    })
                 };
                 let direct: Vec<f64> = self.places.par_iter().map(of_place).collect();
                 (0..channels)

@@ -26,6 +26,10 @@ pub const MOST: usize = 10;
 /// A relative error, squared, at which no more samples are wanted.
 const WELL: f64 = 4e-6;
 
+/// A sample whose light, squared, is less than this part of the brightest one's is not
+/// chosen: its weights would be large.
+const FAINT: f64 = 0.03;
+
 /// The row of a place: what it gets in all, and of each patch alone.
 pub fn row(parts: &[f64]) -> Vec<f64> {
     let all: f64 = parts.iter().sum();
@@ -42,13 +46,14 @@ pub fn fit(target: &[f64], offered: &[(usize, &[f64])]) -> Vec<(usize, f64)> {
     let all = dot(target, target);
     let near: Vec<f64> = offered.iter().map(|(_, row)| dot(row, target)).collect();
     let lengths: Vec<f64> = offered.iter().map(|(_, row)| dot(row, row)).collect();
+    let longest = lengths.iter().copied().fold(0.0, f64::max);
     let mut chosen: Vec<usize> = Vec::new();
     let mut weights = DVector::<f64>::zeros(0);
     let mut left: Vec<f64> = target.to_vec();
     while chosen.len() < MOST && dot(&left, &left) > WELL * all {
         let gain = |k: usize| dot(offered[k].1, &left).powi(2) / lengths[k];
         let best = (0..offered.len())
-            .filter(|k| !chosen.contains(k) && lengths[*k] > 0.0)
+            .filter(|k| !chosen.contains(k) && lengths[*k] > FAINT * longest)
             .max_by(|&a, &b| gain(a).total_cmp(&gain(b)));
         let Some(best) = best.filter(|&k| gain(k) > 1e-9 * all) else {
             break;

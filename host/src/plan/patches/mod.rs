@@ -57,6 +57,9 @@ const DIRECT: [usize; 3] = [4, 3, 2];
 /// Places along each side of a coarse cell for reflected light.
 const REFLECTED: usize = 2;
 
+/// Samples for display that a patch is told its radiosity by, about.
+const SAMPLES_A_PATCH: usize = 4;
+
 /// A room with fewer patches than this is better off with more of them than
 /// with more places on each.
 const ENOUGH: usize = 80;
@@ -71,14 +74,47 @@ const ENOUGH: usize = 80;
 /// # Errors
 /// [`Unplannable`] where the budget is too small, or too large for the tables.
 pub fn linear(scene: &Scene, budget: &Budget, direct: &Field<'_>) -> Result<Plan, Unplannable> {
+    let reflecting = scene.surfaces.iter().filter(|surface| surface.reflects());
+    let division = Division::new(reflecting.count(), budget)?;
+    let plan = divided(scene, &division, direct);
+    let needed = plan.samples() as u64;
+    match budget.samples {
+        Some(allowed) if needed > allowed => Err(Unplannable::Samples { allowed, needed }),
+        _ if needed > super::MOST_SAMPLES => Err(Unplannable::TooMany {
+            asked: needed,
+            most: super::MOST_SAMPLES,
+        }),
+        _ => Ok(plan),
+    }
+}
+
+/// Patches for a plan that has its samples from elsewhere: as many as a budget of
+/// samples can tell the radiosities of, with places of their own that say exactly
+/// what these are.
+pub fn draft(scene: &Scene, budget: &Budget, direct: &Field<'_>) -> Plan {
+    let reflecting = scene.surfaces.iter().filter(|surface| surface.reflects());
+    let reflecting = reflecting.count();
+    let most = (PATCHES_A_SURFACE * reflecting).min(DEFAULT_PATCHES);
+    let patches = match budget.samples {
+        Some(samples) => most.min(samples as usize / SAMPLES_A_PATCH),
+        None => most,
+    };
+    let division = Division {
+        coarse: ((patches as f64 * COARSE_AT_WILL) as usize).max(reflecting),
+        patches: patches.max(reflecting),
+        direct: DIRECT[0],
+    };
+    divided(scene, &division, direct)
+}
+
+/// Cells and their halves, as a division says.
+fn divided(scene: &Scene, division: &Division, direct: &Field<'_>) -> Plan {
     let exposed: Vec<Option<Exposed>> = (0..scene.surfaces.len())
         .map(|index| {
             let surface = &scene.surfaces[index];
             surface.reflects().then(|| Exposed::new(scene, index))
         })
         .collect();
-    let reflecting = exposed.iter().flatten().count();
-    let division = Division::new(reflecting, budget)?;
     let density = density(&exposed, division.patches / START);
     let cut = |(index, exposed): (usize, &Option<Exposed>)| {
         let cells = exposed.as_ref().map(|e| e.cut(e.cells(density)));
@@ -95,20 +131,11 @@ pub fn linear(scene: &Scene, budget: &Budget, direct: &Field<'_>) -> Result<Plan
     let surfaces = (scene.surfaces.iter().zip(&exposed))
         .zip(fine)
         .map(|((surface, exposed), fine)| match exposed {
-            Some(exposed) => of_surface(exposed, &coarse, fine, &division),
+            Some(exposed) => of_surface(exposed, &coarse, fine, division),
             None => SurfacePlan::without_samples(Frame::new(surface)),
         })
         .collect();
-    let plan = Plan { surfaces };
-    let needed = plan.samples() as u64;
-    match budget.samples {
-        Some(allowed) if needed > allowed => Err(Unplannable::Samples { allowed, needed }),
-        _ if needed > super::MOST_SAMPLES => Err(Unplannable::TooMany {
-            asked: needed,
-            most: super::MOST_SAMPLES,
-        }),
-        _ => Ok(plan),
-    }
+    Plan { surfaces }
 }
 
 /// How a budget is divided.
