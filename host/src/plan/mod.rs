@@ -12,8 +12,8 @@ mod map;
 mod outline;
 pub mod patches;
 mod pool;
-mod share;
 pub mod shadow;
+mod share;
 mod spacing;
 
 use crate::scene::frame::Frame;

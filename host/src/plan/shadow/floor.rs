@@ -158,7 +158,11 @@ fn encloses(ring: &[[f64; 2]], place: DVec2) -> bool {
     let crosses = |i: usize| {
         let offset = |k: usize| DVec2::from(ring[k % ring.len()]) - place;
         let (from, to) = (offset(i), offset(i + 1));
-        let (low, high) = if from.y > to.y { (to, from) } else { (from, to) };
+        let (low, high) = if from.y > to.y {
+            (to, from)
+        } else {
+            (from, to)
+        };
         (low.y > 0.0) != (high.y > 0.0) && low.perp_dot(high) > 0.0
     };
     (0..ring.len()).filter(|&i| crosses(i)).count() % 2 == 1

@@ -46,7 +46,11 @@ pub(super) fn of(map: &ShadowMap, [a, b]: [DVec2; 2]) -> Option<f64> {
         let bent = slope > NOTHING && slope < 3.0 * finer_slope;
         let curved = curve > NOTHING && curve < 6.0 * finer_curve;
         let departure = if bent { slope } else { 0.0_f64 };
-        let departure = if curved { departure.max(curve) } else { departure };
+        let departure = if curved {
+            departure.max(curve)
+        } else {
+            departure
+        };
         (departure > 0.0).then_some(departure)
     });
     departures.reduce(f64::max)
