@@ -85,6 +85,14 @@ impl Floor {
         RESOLUTION * self.frame.size_u.max(self.frame.size_v)
     }
 
+    /// The distance from a place to the outline or the nearest contact line.
+    pub(super) fn clearance(&self, place: DVec2) -> f64 {
+        let contacts = self.contacts.iter().map(|line| line.ends.map(DVec2::from));
+        let all = self.sides().chain(contacts);
+        all.map(|[a, b]| point_to_segment(place, a, b))
+            .fold(f64::INFINITY, f64::min)
+    }
+
     /// The sides of the outline.
     pub(super) fn sides(&self) -> impl Iterator<Item = [DVec2; 2]> + '_ {
         let corners = &self.frame.vertices;

@@ -9,7 +9,7 @@ use spade::{Point2, Triangulation};
 use super::arrangement::{Arrangement, Segment};
 use super::floor::Floor;
 use super::locate::{Index, barycentric};
-use super::refine::{Delaunay, refine};
+use super::refine::{Delaunay, is_kept, refine};
 use super::{Class, Kind, ShadowMap};
 
 /// Which lines a mesh follows beside the surface's own outline.
@@ -140,8 +140,7 @@ impl Mesh {
         let mut borders = BTreeMap::new();
         for face in delaunay.inner_faces() {
             let corners = face.positions().map(|p| DVec2::new(p.x, p.y));
-            let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
-            if !floor.is_exposed(centre) {
+            if !is_kept(corners, floor) {
                 continue;
             }
             let triangle = face.vertices().map(|vertex| {

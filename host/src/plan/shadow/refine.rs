@@ -60,14 +60,12 @@ pub(super) fn refine(
             if delaunay.num_vertices() >= most {
                 return false;
             }
-            let mut free = true;
-            for (segment, halved) in segments.iter().zip(&mut halved) {
-                if segment.is_in_the_way(triangle) {
-                    free = false;
-                    if !*halved && segment.length() >= 2.0 * finest {
-                        *halved = true;
-                        idle &= !segment.halve(delaunay);
-                    }
+            let way = in_the_way(&segments, triangle);
+            let free = way.is_empty();
+            for number in way {
+                if !halved[number] && segments[number].length() >= 2.0 * finest {
+                    halved[number] = true;
+                    idle &= !segments[number].halve(delaunay);
                 }
             }
             let place = triangle.circumcentre;
@@ -85,10 +83,23 @@ pub(super) fn refine(
     false
 }
 
+/// Whether a triangle is of the mesh: exposed, and no sliver between vertices
+/// on the outline that rounding put beside its convex hull.
+pub(super) fn is_kept([a, b, c]: [DVec2; 3], floor: &Floor) -> bool {
+    let longest = [a.distance(b), b.distance(c), c.distance(a)];
+    let longest = longest.into_iter().fold(0.0, f64::max);
+    let is_sliver = (b - a).perp_dot(c - a) <= 1e-3 * floor.resolution() * longest;
+    !is_sliver && floor.is_exposed((a + b + c) / 3.0)
+}
+
 /// The exposed triangles that are bad and larger than the finest ones.
 fn bad(delaunay: &Delaunay, floor: &Floor, options: &Options, finest: f64) -> Vec<Bad> {
     let triangle = |face: spade::handles::FaceHandle<'_, _, _, _, _, _>| {
-        let [a, b, c] = face.positions().map(|p: Point2<f64>| DVec2::new(p.x, p.y));
+        let corners = face.positions().map(|p: Point2<f64>| DVec2::new(p.x, p.y));
+        if !is_kept(corners, floor) {
+            return None;
+        }
+        let [a, b, c] = corners;
         let lengths = [a.distance(b), b.distance(c), c.distance(a)];
         let shortest = lengths.iter().copied().fold(f64::INFINITY, f64::min);
         let longest = lengths.iter().copied().fold(0.0, f64::max);
@@ -104,8 +115,7 @@ fn bad(delaunay: &Delaunay, floor: &Floor, options: &Options, finest: f64) -> Ve
         })
     };
     let all = delaunay.inner_faces().filter_map(triangle);
-    all.filter(|bad| bad.circumcentre.is_finite() && floor.is_exposed(bad.centre))
-        .collect()
+    all.collect()
 }
 
 fn segments(delaunay: &Delaunay) -> Vec<Segment> {
@@ -120,23 +130,43 @@ fn segments(delaunay: &Delaunay) -> Vec<Segment> {
         .collect()
 }
 
+/// The first segment between a triangle and its circumcentre, else all that
+/// have the latter in the circle over them.
+fn in_the_way(segments: &[Segment], bad: &Bad) -> Vec<usize> {
+    let crossings = segments.iter().enumerate().filter_map(|(number, segment)| {
+        let t = segment.crosses(bad)?;
+        Some((t, number))
+    });
+    if let Some((_, first)) = crossings.min_by(|a, b| a.0.total_cmp(&b.0)) {
+        return vec![first];
+    }
+    let encroached = |&number: &usize| segments[number].is_encroached(bad.circumcentre);
+    (0..segments.len()).filter(encroached).collect()
+}
+
 impl Segment {
     fn length(&self) -> f64 {
         self.ends[0].distance(self.ends[1])
     }
 
-    /// Whether it lies between a triangle and its circumcentre, or has the
-    /// latter in its diametral circle.
-    fn is_in_the_way(&self, bad: &Bad) -> bool {
-        let [a, b] = self.ends;
-        let place = bad.circumcentre;
-        if (a - place).dot(b - place) < 0.0 {
-            return true;
+    /// Where it crosses the way from a triangle to its circumcentre, as a
+    /// parameter.
+    fn crosses(&self, bad: &Bad) -> Option<f64> {
+        let [a, b] = self.ends.map(|end| end - bad.centre);
+        let way = bad.circumcentre - bad.centre;
+        let (left, right) = (way.perp_dot(a), way.perp_dot(b));
+        if (left > 0.0) == (right > 0.0) {
+            return None;
         }
-        let side = |p: DVec2| (b - a).perp_dot(p - a) > 0.0;
-        let along = place - bad.centre;
-        let turn = |p: DVec2| along.perp_dot(p - bad.centre) > 0.0;
-        side(place) != side(bad.centre) && turn(a) != turn(b)
+        let place = a.lerp(b, left / (left - right));
+        let t = place.dot(way) / way.length_squared();
+        (0.0..=1.0).contains(&t).then_some(t)
+    }
+
+    /// Whether the place lies in the circle over it.
+    fn is_encroached(&self, place: DVec2) -> bool {
+        let [a, b] = self.ends;
+        (a - place).dot(b - place) < 0.0
     }
 
     /// Makes its middle a vertex, and two segments of it.
