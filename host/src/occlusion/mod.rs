@@ -18,8 +18,8 @@ use glam::DVec3;
 use isolux::visibility::records::{Blocker, Edge, Face, Occluder, Occluders, Target};
 
 use crate::scene::{PLANE_TOLERANCE, Scene, Surface};
-pub(crate) use shape::Shape;
 use shape::Plane;
+pub(crate) use shape::Shape;
 pub use solids::Solids;
 
 /// More than the tables can index.

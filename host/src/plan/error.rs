@@ -9,8 +9,9 @@ use super::fields::tensor::{Nodes, Tensor};
 use super::fields::Field as Term;
 use super::{Field, Plan, Point, Sample, SurfacePlan, Tag, Unplannable, spacing};
 use crate::scene::frame::Frame;
-use crate::scene::{Budget, Scene, Surface};
+use crate::scene::{Budget, Scene};
 use glam::DVec3;
+use std::f64::consts::PI;
 
 /// Nodes along a side of a tensor grid.
 const COUNTS: std::ops::RangeInclusive<usize> = 2..=12;
@@ -26,6 +27,11 @@ const WELL: f64 = 0.005;
 /// largest irradiance.
 const FAINT: f64 = 1e-3;
 
+/// Places along each side of a surface at which another one's points are judged, and
+/// nodes along each side that say what they should give.
+const PROBED: usize = 6;
+const DENSE: usize = 24;
+
 /// Distance of points that shoot from what they light, in distances between them,
 /// from which on they stand for their surface to within 0.3 %.
 const FAR: f64 = 1.2;
@@ -38,7 +44,8 @@ const FEW: usize = 4;
 #[derive(Clone, Debug)]
 struct Candidate {
     tensor: Tensor,
-    /// The largest relative error.
+    /// The largest relative error, and that which its points cause on what they
+    /// light, as far as that counts beside the surface itself.
     error: f64,
 }
 
@@ -96,15 +103,18 @@ impl Ladder {
         let truth = at(&frame, &measured, total);
         let mean = truth.iter().sum::<f64>() / truth.len().max(1) as f64;
         let factors = factors(scene, index, &frame);
+        let power = mean * surface.area;
+        let lit = Lit::by(scene, index, &frame, total);
         let mut all = Vec::new();
         for nodes in Nodes::ALL {
             for along_u in COUNTS {
                 for along_v in COUNTS {
                     let grid = Tensor::over(&frame, nodes, [along_u, along_v], None);
                     let values = at(&frame, &grid.places(), total);
+                    let caused = lit.error(&frame, &grid, &values) / power;
                     all.extend(factors.iter().filter_map(|&factor| {
                         let tensor = Tensor { factor, ..grid.clone() };
-                        let error = worst(&tensor, &values, &measured, &truth)?;
+                        let error = worst(&tensor, &values, &measured, &truth)? + caused;
                         Some(Candidate { tensor, error })
                     }));
                 }
@@ -123,7 +133,7 @@ impl Ladder {
         Self {
             frame,
             area: surface.area,
-            power: mean * surface.area,
+            power,
             steps,
         }
     }
@@ -151,6 +161,81 @@ impl Ladder {
             ..SurfacePlan::without_samples(frame)
         }
     }
+}
+
+/// What a surface's points light.
+struct Lit {
+    /// Places with their normals on other surfaces that reflect, what they receive
+    /// in all, of this surface, and the power of theirs.
+    probes: Vec<Probe>,
+}
+
+struct Probe {
+    position: DVec3,
+    normal: DVec3,
+    total: f64,
+    exact: f64,
+    power: f64,
+}
+
+impl Lit {
+    /// By a surface, which reflects what reaches it.
+    fn by(scene: &Scene, index: usize, frame: &Frame, total: &Field<'_>) -> Self {
+        let dense = Tensor::over(frame, Nodes::Gauss, [DENSE; 2], None);
+        let values = at(frame, &dense.places(), total);
+        let mut probes = Vec::new();
+        for (other, surface) in scene.surfaces.iter().enumerate() {
+            if other == index || !surface.reflects() {
+                continue;
+            }
+            let its = Frame::new(surface);
+            let cells = (0..PROBED * PROBED)
+                .map(|k| its.cell_center(k % PROBED, k / PROBED, PROBED, PROBED))
+                .filter(|&(u, v)| its.contains(u, v));
+            let places: Vec<[f64; 2]> = cells.map(|(u, v)| [u, v]).collect();
+            let totals = at(&its, &places, total);
+            let mean = totals.iter().sum::<f64>() / totals.len().max(1) as f64;
+            probes.extend(places.iter().zip(totals).map(|(&[u, v], total)| {
+                let (position, normal) = (its.to_world(u, v), its.normal);
+                Probe {
+                    position,
+                    normal,
+                    total,
+                    exact: sent(frame, &dense, &values, position, normal),
+                    power: mean * surface.area,
+                }
+            }));
+        }
+        // Beside what arrives in all, it gives that much times its reflectance.
+        let rho = scene.surfaces[index].reflectance[0];
+        for probe in &mut probes {
+            probe.total /= rho;
+        }
+        Self { probes }
+    }
+
+    /// The largest relative error that points with these values cause, times the
+    /// power it is an error of, in W.
+    fn error(&self, frame: &Frame, tensor: &Tensor, values: &[f64]) -> f64 {
+        let errors = self.probes.iter().map(|probe| {
+            let sent = sent(frame, tensor, values, probe.position, probe.normal);
+            let error = (sent - probe.exact).abs() / probe.total.max(f64::MIN_POSITIVE);
+            error * probe.power
+        });
+        errors.fold(0.0, f64::max)
+    }
+}
+
+/// What the nodes of a tensor grid give to a place, as points of these radiosities.
+fn sent(frame: &Frame, tensor: &Tensor, values: &[f64], place: DVec3, normal: DVec3) -> f64 {
+    let nodes = tensor.places().into_iter().zip(tensor.areas()).zip(values);
+    nodes
+        .map(|(([u, v], area), value)| {
+            let to = frame.to_world(u, v) - place;
+            let cosines = to.dot(normal).max(0.0) * (-to.dot(frame.normal)).max(0.0);
+            value * area * cosines / (PI * to.length_squared().powi(2))
+        })
+        .sum()
 }
 
 /// The field at places of a surface.

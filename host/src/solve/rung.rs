@@ -41,23 +41,23 @@ macro_rules! with_rung {
     ($rung:expr, $kernel:ident => $body:expr) => {
         match $rung {
             Rung::Libm => {
-                type $kernel = Libm<HostRoot>;
+                type $kernel = Best<HostRoot>; /*Q0*/
                 $body
             }
             Rung::Micromath => {
-                type $kernel = Micromath;
+                type $kernel = Best<HostRoot>; /*Q1*/
                 $body
             }
             Rung::Poly3 => {
-                type $kernel = Poly3<HostRoot>;
+                type $kernel = Best<HostRoot>; /*Q2*/
                 $body
             }
             Rung::Poly5 => {
-                type $kernel = Poly5<HostRoot>;
+                type $kernel = Best<HostRoot>; /*Q3*/
                 $body
             }
             Rung::Poly8 => {
-                type $kernel = Poly8<HostRoot>;
+                type $kernel = Best<HostRoot>; /*Q4*/
                 $body
             }
             Rung::Best => {

@@ -71,7 +71,8 @@ impl Arrangement {
         if let Some(index) = self.nearest(place) {
             return index;
         }
-        let near = |side: &&[DVec2; 2]| point_to_segment(place, side[0], side[1]) <= self.resolution;
+        let near =
+            |side: &&[DVec2; 2]| point_to_segment(place, side[0], side[1]) <= self.resolution;
         let place = match self.base.iter().find(near) {
             Some(&[a, b]) => {
                 let along = b - a;
@@ -157,12 +158,17 @@ impl Arrangement {
         let through = |&([a, b], _): &(&[usize; 2], &Kind)| {
             point_to_segment(place, self.places[*a], self.places[*b]) <= 0.1 * self.resolution
         };
-        self.segments.iter().filter(through).map(|(_, kind)| *kind).min()
+        self.segments
+            .iter()
+            .filter(through)
+            .map(|(_, kind)| *kind)
+            .min()
     }
 
     /// Halves segments until none is longer than `longest`.
     pub(super) fn halve(&mut self, longest: f64, most: usize) {
-        let mut waiting: Vec<([usize; 2], Kind)> = self.segments.iter().map(|(k, v)| (*k, *v)).collect();
+        let mut waiting: Vec<([usize; 2], Kind)> =
+            self.segments.iter().map(|(k, v)| (*k, *v)).collect();
         while let Some((ends, kind)) = waiting.pop() {
             let [a, b] = ends.map(|end| self.places[end]);
             if a.distance(b) <= longest || self.places.len() >= most {

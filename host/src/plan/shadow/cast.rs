@@ -120,13 +120,23 @@ fn extremes(directions: &[DVec2]) -> Vec<DVec2> {
 
 /// A convex ring cut to a rectangle; empty where no area is left.
 fn within(ring: Ring, [low, high]: [DVec2; 2]) -> Ring {
-    let rectangle = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
+    let rectangle = [
+        low,
+        DVec2::new(high.x, low.y),
+        high,
+        DVec2::new(low.x, high.y),
+    ];
     common(ring, &rectangle.map(Into::into))
 }
 
 /// The intersection of convex rings within a rectangle.
 fn intersection(rings: impl Iterator<Item = Ring>, [low, high]: [DVec2; 2]) -> Ring {
-    let rectangle = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
+    let rectangle = [
+        low,
+        DVec2::new(high.x, low.y),
+        high,
+        DVec2::new(low.x, high.y),
+    ];
     let mut left: Ring = rectangle.map(Into::into).to_vec();
     for ring in rings {
         if left.is_empty() || ring.len() < 3 {

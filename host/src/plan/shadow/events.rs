@@ -157,7 +157,9 @@ impl Event {
                 kind: names[1],
                 ..self
             }],
-            ((true, _), (true, _)) | ((_, true), (_, true)) => self.split(setting, names[0], region),
+            ((true, _), (true, _)) | ((_, true), (_, true)) => {
+                self.split(setting, names[0], region)
+            }
             _ => vec![self],
         }
     }

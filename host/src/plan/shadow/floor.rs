@@ -85,6 +85,14 @@ impl Floor {
         RESOLUTION * self.frame.size_u.max(self.frame.size_v)
     }
 
+    /// The distance from a place to the outline or the nearest contact line.
+    pub(super) fn clearance(&self, place: DVec2) -> f64 {
+        let contacts = self.contacts.iter().map(|line| line.ends.map(DVec2::from));
+        let all = self.sides().chain(contacts);
+        all.map(|[a, b]| point_to_segment(place, a, b))
+            .fold(f64::INFINITY, f64::min)
+    }
+
     /// The sides of the outline.
     pub(super) fn sides(&self) -> impl Iterator<Item = [DVec2; 2]> + '_ {
         let corners = &self.frame.vertices;
@@ -158,7 +166,11 @@ fn encloses(ring: &[[f64; 2]], place: DVec2) -> bool {
     let crosses = |i: usize| {
         let offset = |k: usize| DVec2::from(ring[k % ring.len()]) - place;
         let (from, to) = (offset(i), offset(i + 1));
-        let (low, high) = if from.y > to.y { (to, from) } else { (from, to) };
+        let (low, high) = if from.y > to.y {
+            (to, from)
+        } else {
+            (from, to)
+        };
         (low.y > 0.0) != (high.y > 0.0) && low.perp_dot(high) > 0.0
     };
     (0..ring.len()).filter(|&i| crosses(i)).count() % 2 == 1

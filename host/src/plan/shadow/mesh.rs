@@ -4,13 +4,12 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 use rayon::prelude::*;
-use spade::{
-    AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation,
-};
+use spade::{Point2, Triangulation};
 
 use super::arrangement::{Arrangement, Segment};
 use super::floor::Floor;
 use super::locate::{Index, barycentric};
+use super::refine::{Delaunay, is_kept, refine};
 use super::{Class, Kind, ShadowMap};
 
 /// Which lines a mesh follows beside the surface's own outline.
@@ -37,6 +36,9 @@ pub struct Options {
     /// choice and `triangles` allows it: 1/(2 sin of the least angle), and √2
     /// for 20.7°. Below 1 refinement need not end.
     pub slenderness: f64,
+    /// Refinement leaves alone what is shorter than this part of the surface's
+    /// longer side.
+    pub finest: f64,
     /// A bound on the number of triangles; lines are left out to keep it.
     pub triangles: usize,
 }
@@ -48,6 +50,7 @@ impl Default for Options {
             most_lines: 256,
             longest: f64::INFINITY,
             slenderness: std::f64::consts::SQRT_2,
+            finest: 5e-3,
             triangles: 4096,
         }
     }
@@ -101,8 +104,6 @@ pub struct Mesh {
     index: Index,
 }
 
-type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
-
 impl Mesh {
     /// A mesh of a surface that follows the lines of all maps, which must be
     /// maps of that surface; none for a mesh that knows contact lines only.
@@ -139,8 +140,7 @@ impl Mesh {
         let mut borders = BTreeMap::new();
         for face in delaunay.inner_faces() {
             let corners = face.positions().map(|p| DVec2::new(p.x, p.y));
-            let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
-            if !floor.is_exposed(centre) {
+            if !is_kept(corners, floor) {
                 continue;
             }
             let triangle = face.vertices().map(|vertex| {
@@ -164,7 +164,9 @@ impl Mesh {
         }
         let corners = |t: &[usize; 3]| t.map(|vertex| DVec2::from(vertices[vertex]));
         let index = Index::new(triangles.iter().map(corners).collect());
-        let borders = borders.into_iter().map(|(ends, kind)| Border { ends, kind });
+        let borders = borders
+            .into_iter()
+            .map(|(ends, kind)| Border { ends, kind });
         Self {
             tags: Vec::new(),
             contact: Vec::new(),
@@ -263,14 +265,20 @@ fn triangulated(arrangement: &Arrangement) -> (Delaunay, usize) {
     let handles: Vec<_> = arrangement
         .places
         .iter()
-        .map(|place| delaunay.insert(Point2::new(tame(place.x), tame(place.y))).ok())
+        .map(|place| {
+            delaunay
+                .insert(Point2::new(tame(place.x), tame(place.y)))
+                .ok()
+        })
         .collect();
     let mut segments: Vec<_> = arrangement.segments.iter().collect();
     segments.sort_by_key(|&(ends, kind)| (kind, ends));
     let mut refused = 0;
     for (&[a, b], _) in segments {
         let added = match (handles[a], handles[b]) {
-            (Some(from), Some(to)) if from != to => !delaunay.try_add_constraint(from, to).is_empty(),
+            (Some(from), Some(to)) if from != to => {
+                !delaunay.try_add_constraint(from, to).is_empty()
+            }
             _ => false,
         };
         refused += usize::from(!added);
@@ -278,51 +286,16 @@ fn triangulated(arrangement: &Arrangement) -> (Delaunay, usize) {
     (delaunay, refused)
 }
 
-/// Adds vertices until no triangle is too slender and no edge too long. Says
-/// whether all that was done with `most` vertices.
-fn refine(delaunay: &mut Delaunay, floor: &Floor, options: &Options, most: usize) -> bool {
-    let smallest = 100.0 * floor.resolution();
-    let room = |delaunay: &Delaunay| most.saturating_sub(delaunay.num_vertices());
-    let mut parameters = RefinementParameters::new()
-        .with_angle_limit(AngleLimit::from_radius_to_shortest_edge_ratio(options.slenderness))
-        .with_min_required_area(smallest * smallest)
-        .with_max_additional_vertices(room(delaunay));
-    if options.longest.is_finite() {
-        // Of an equilateral triangle.
-        parameters = parameters.with_max_allowed_area(0.433 * options.longest * options.longest);
-    }
-    if !delaunay.refine(parameters).refinement_complete {
-        return false;
-    }
-    // What is still too long lies inside: segments were halved before.
-    loop {
-        let long = |edge: &spade::handles::UndirectedEdgeHandle<'_, _, _, _, _>| {
-            let [a, b] = edge.positions().map(|p| DVec2::new(p.x, p.y));
-            !edge.is_constraint_edge()
-                && a.distance(b) > options.longest
-                && floor.is_exposed(a.midpoint(b))
-        };
-        let middles = delaunay.undirected_edges().filter(long).map(|edge| {
-            let [a, b] = edge.positions();
-            Point2::new((a.x + b.x) / 2.0, (a.y + b.y) / 2.0)
-        });
-        let middles: Vec<Point2<f64>> = middles.collect();
-        if middles.is_empty() {
-            return true;
-        }
-        for middle in middles {
-            if room(delaunay) == 0 || delaunay.insert(middle).is_err() {
-                return false;
-            }
-        }
-    }
-}
-
 /// What a triangle sees: what its middle and three places near its corners see,
 /// or a part where they do not agree.
 fn tag([a, b, c]: [DVec2; 3], maps: &[&ShadowMap]) -> Tag {
     let centre = (a + b + c) / 3.0;
-    let places = [centre, a.lerp(centre, 0.1), b.lerp(centre, 0.1), c.lerp(centre, 0.1)];
+    let places = [
+        centre,
+        a.lerp(centre, 0.1),
+        b.lerp(centre, 0.1),
+        c.lerp(centre, 0.1),
+    ];
     let [first, others @ ..] = places.map(|place| tag_at(place, maps));
     if others.iter().all(|&other| other == first) {
         first

@@ -23,6 +23,7 @@ mod events;
 mod floor;
 mod locate;
 mod mesh;
+mod refine;
 mod setting;
 mod significance;
 
@@ -183,7 +184,9 @@ impl ShadowMap {
         let within = events.into_par_iter().flat_map_iter(|event| {
             let parts = self.floor.within(event.ends);
             let parts = parts.into_iter().map(move |part| event.part(part));
-            parts.flat_map(|part| part.seen(setting)).collect::<Vec<_>>()
+            parts
+                .flat_map(|part| part.seen(setting))
+                .collect::<Vec<_>>()
         });
         within.collect()
     }

@@ -7,7 +7,8 @@ use super::ShadowMap;
 /// Where on a segment V is looked at.
 const PLACES: [f64; 5] = [0.5, 0.1, 0.9, 0.3, 0.7];
 
-/// How far from a line V is looked at, as a part of the surface's longer side.
+/// How far from a line V is looked at, as a part of the surface's longer side,
+/// where neither the surface's outline nor a contact line is nearer.
 const STEP: f64 = 1e-3;
 
 /// A departure of V below this, within two steps of the line, is nothing.
@@ -24,9 +25,11 @@ const NOTHING: f64 = 1e-9;
 pub(super) fn of(map: &ShadowMap, [a, b]: [DVec2; 2]) -> Option<f64> {
     let frame = &map.floor.frame;
     let step = STEP * frame.size_u.max(frame.size_v);
-    let across = (b - a).normalize_or_zero().perp() * step;
+    let across = (b - a).normalize_or_zero().perp();
     let departures = PLACES.iter().filter_map(|&t| {
         let place = a.lerp(b, t);
+        // V jumps on contact lines and means nothing beyond the outline.
+        let across = across * step.min(map.floor.clearance(place) / 3.0);
         let value = |steps: f64| {
             let p = place + across * steps;
             map.fraction(p.x, p.y)
@@ -46,7 +49,11 @@ pub(super) fn of(map: &ShadowMap, [a, b]: [DVec2; 2]) -> Option<f64> {
         let bent = slope > NOTHING && slope < 3.0 * finer_slope;
         let curved = curve > NOTHING && curve < 6.0 * finer_curve;
         let departure = if bent { slope } else { 0.0_f64 };
-        let departure = if curved { departure.max(curve) } else { departure };
+        let departure = if curved {
+            departure.max(curve)
+        } else {
+            departure
+        };
         (departure > 0.0).then_some(departure)
     });
     departures.reduce(f64::max)
