@@ -32,7 +32,7 @@ pub(super) fn of_occluder(setting: &Setting, occluder: &Occluder, shadow: &Shado
     for &apex in &light.apexes {
         for &edge in &occluder.edges {
             if let Some(ends) = trace(setting, apex, edge, Part::Below) {
-                let event = Event::new(apex, ends, false);
+                let event = Event::new(Kind::Event, apex, ends);
                 let name = [Kind::Umbra, Kind::Outer];
                 events.extend(event.named(setting, occluder, name, &shadow.umbra));
             }
@@ -41,7 +41,7 @@ pub(super) fn of_occluder(setting: &Setting, occluder: &Occluder, shadow: &Shado
     for &apex in &occluder.apexes {
         for &edge in &light.edges {
             if let Some(ends) = trace(setting, apex, edge, Part::Above) {
-                let event = Event::new(apex, ends, true);
+                let event = Event::new(Kind::Event, apex, ends).passing();
                 let name = [Kind::Antumbra, Kind::Outer];
                 events.extend(event.named(setting, occluder, name, &shadow.antumbra));
             }
@@ -59,7 +59,7 @@ pub(super) fn of_pair(setting: &Setting, first: &Occluder, second: &Occluder) ->
             for &edge in &other.edges {
                 for part in [Part::Below, Part::Above] {
                     let ends = trace(setting, apex, edge, part);
-                    let event = ends.map(|ends| Event::new(apex, ends, true));
+                    let event = ends.map(|ends| Event::new(Kind::Overlap, apex, ends).passing());
                     events.extend(event.into_iter().flat_map(|e| e.before(setting)));
                 }
             }
@@ -106,12 +106,19 @@ fn trace(setting: &Setting, apex: DVec3, edge: [DVec3; 2], part: Part) -> Option
 }
 
 impl Event {
-    fn new(apex: DVec3, ends: [DVec2; 2], passes: bool) -> Self {
+    fn new(kind: Kind, apex: DVec3, ends: [DVec2; 2]) -> Self {
         Self {
-            kind: Kind::Event,
+            kind,
             ends,
             apex,
-            passes,
+            passes: false,
+        }
+    }
+
+    fn passing(self) -> Self {
+        Self {
+            passes: true,
+            ..self
         }
     }
 
@@ -187,13 +194,13 @@ impl Event {
         for i in 0..ring.len() {
             let corner = DVec2::from(ring[i]);
             let along = (DVec2::from(ring[(i + 1) % ring.len()]) - corner).normalize_or_zero();
-            let [a, b] = self.ends.map(|end| along.perp_dot(end - corner) + nothing);
-            if a < 0.0 && b < 0.0 {
+            let [a, b] = self.ends.map(|end| along.perp_dot(end - corner));
+            if a < -nothing && b < -nothing {
                 return None;
             }
-            if a < 0.0 {
+            if a < -nothing {
                 from = from.max(a / (a - b));
-            } else if b < 0.0 {
+            } else if b < -nothing {
                 to = to.min(a / (a - b));
             }
         }
