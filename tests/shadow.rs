@@ -50,7 +50,12 @@ pub(crate) fn polygon(name: &str, corners: &[[f64; 3]], radiance: f64) -> Surfac
 
 /// A square about (0, 0), facing up or down.
 pub(crate) fn square(name: &str, half: f64, z: f64, up: bool, radiance: f64) -> Surface {
-    let mut corners = [[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]];
+    let mut corners = [
+        [-half, -half, z],
+        [half, -half, z],
+        [half, half, z],
+        [-half, half, z],
+    ];
     if !up {
         corners.reverse();
     }
@@ -64,7 +69,8 @@ pub(crate) fn places(map: &ShadowMap, count: usize, seed: u64) -> Vec<DVec2> {
     let mut places = Vec::with_capacity(count);
     while places.len() < count {
         let place = DVec2::new(random.unit() * frame.size_u, random.unit() * frame.size_v);
-        if frame.contains(place.x, place.y) && !map.floor.covers.iter().any(|c| encloses(c, place)) {
+        if frame.contains(place.x, place.y) && !map.floor.covers.iter().any(|c| encloses(c, place))
+        {
             places.push(place);
         }
     }
@@ -95,10 +101,16 @@ pub(crate) fn assert_sound(mesh: &Mesh, what: &str) -> f64 {
     let mut sides = BTreeMap::new();
     for (number, &[a, b, c]) in mesh.triangles.iter().enumerate() {
         let [p, q, r] = mesh.corners(number);
-        assert!((q - p).perp_dot(r - p) > 0.0, "{what}: triangle {number} is turned");
+        assert!(
+            (q - p).perp_dot(r - p) > 0.0,
+            "{what}: triangle {number} is turned"
+        );
         for side in [[a, b], [b, c], [c, a]] {
             let twice = sides.insert(side, number);
-            assert_eq!(twice, None, "{what}: side {side:?} has two triangles on its left");
+            assert_eq!(
+                twice, None,
+                "{what}: side {side:?} has two triangles on its left"
+            );
         }
     }
     for border in &mesh.borders {
@@ -106,13 +118,19 @@ pub(crate) fn assert_sound(mesh: &Mesh, what: &str) -> f64 {
         let beside = [[a, b], [b, a]].map(|side| sides.contains_key(&side));
         assert!(beside[0] || beside[1], "{what}: a border of no triangle");
     }
-    let bordering: BTreeMap<[usize; 2], Kind> =
-        mesh.borders.iter().map(|border| (border.ends, border.kind)).collect();
+    let bordering: BTreeMap<[usize; 2], Kind> = mesh
+        .borders
+        .iter()
+        .map(|border| (border.ends, border.kind))
+        .collect();
     for &[a, b] in sides.keys() {
         if !sides.contains_key(&[b, a]) {
             let kind = bordering.get(&[a.min(b), a.max(b)]);
             let outside = matches!(kind, Some(Kind::Boundary | Kind::Contact));
-            assert!(outside, "{what}: side {a} {b} has nothing beyond and is {kind:?}");
+            assert!(
+                outside,
+                "{what}: side {a} {b} has nothing beyond and is {kind:?}"
+            );
         }
     }
     mesh.area()

@@ -67,7 +67,12 @@ fn agree(map: &ShadowMap, scene: &Scene, luminaire: usize, count: usize) {
     let mut met = [0; 4];
     for place in places(map, count, 7) {
         let class = map.class(place.x, place.y);
-        let share = share(scene, luminaire, frame.to_world(place.x, place.y), frame.normal);
+        let share = share(
+            scene,
+            luminaire,
+            frame.to_world(place.x, place.y),
+            frame.normal,
+        );
         let fraction = map.fraction(place.x, place.y);
         let (triangle, _) = mesh.locate(place.x, place.y).expect("a triangle");
         let tag = mesh.tags[triangle];

@@ -29,7 +29,10 @@ fn room(seed: u64) -> Scene {
         let turn = random.turn();
         let place = place(&mut random, half);
         let outline = random.outline(corners, radius);
-        surfaces.push(lit::surface(outline.iter().map(|&v| turn * v + place).collect(), 0.0));
+        surfaces.push(lit::surface(
+            outline.iter().map(|&v| turn * v + place).collect(),
+            0.0,
+        ));
     }
     for (number, surface) in surfaces.iter_mut().enumerate() {
         surface.name = format!("s{number}");
@@ -43,7 +46,12 @@ fn luminaire(random: &mut Random) -> Surface {
     let (x, y) = (random.between(-2.0, 2.0), random.between(-1.0, 1.0));
     let (a, b) = (random.between(0.1, 0.9), random.between(0.1, 0.9));
     let down = |z: f64| {
-        let corners = [[x - a, y + b, z], [x + a, y + b, z], [x + a, y - b, z], [x - a, y - b, z]];
+        let corners = [
+            [x - a, y + b, z],
+            [x + a, y + b, z],
+            [x + a, y - b, z],
+            [x - a, y - b, z],
+        ];
         polygon("light", &corners, 1.0)
     };
     match random.below(5) {
@@ -51,7 +59,12 @@ fn luminaire(random: &mut Random) -> Surface {
         2 => down(random.between(1.5, 2.9)),
         3 => {
             let z = if random.below(2) == 0 { 0.0 } else { 0.7 };
-            let corners = [[-3.0, y, z], [-3.0, y + b, z], [-3.0, y + b, 2.5], [-3.0, y, 2.5]];
+            let corners = [
+                [-3.0, y, z],
+                [-3.0, y + b, z],
+                [-3.0, y + b, 2.5],
+                [-3.0, y, 2.5],
+            ];
             polygon("window", &corners, 1.0)
         }
         _ => {
@@ -90,7 +103,10 @@ fn body(random: &mut Random, half: DVec3) -> Vec<Surface> {
         random.turn()
     };
     let face = |face: Vec<DVec3>| face.iter().map(|&v| turn * v + middle).collect();
-    faces.into_iter().map(|f| lit::surface(face(f), 0.0)).collect()
+    faces
+        .into_iter()
+        .map(|f| lit::surface(face(f), 0.0))
+        .collect()
 }
 
 /// Corners of a tetrahedron with its base at the foot of a box.
@@ -131,7 +147,10 @@ fn rooms_of_random_bodies_have_sound_meshes() {
             }
         }
     }
-    assert!(left_out * 100 <= lines, "{left_out} of {lines} lines left out");
+    assert!(
+        left_out * 100 <= lines,
+        "{left_out} of {lines} lines left out"
+    );
     assert!(triangles > 0);
 }
 
@@ -191,7 +210,10 @@ fn a_crowd_of_occluders() {
             random.between(0.5, 2.5),
         );
         let outline = random.outline(4, 0.3);
-        surfaces.push(lit::surface(outline.iter().map(|&v| turn * v + place).collect(), 0.0));
+        surfaces.push(lit::surface(
+            outline.iter().map(|&v| turn * v + place).collect(),
+            0.0,
+        ));
     }
     let scene = lit::scene(surfaces);
     let map = ShadowMap::of(&scene, 0, 1).expect("a map");

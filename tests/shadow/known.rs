@@ -34,7 +34,11 @@ fn the_outlines_of_the_penumbra_scene() {
     assert!(is_square(&shadow.antumbra, 0.4), "{:?}", shadow.antumbra);
     assert!(shadow.umbra.is_empty());
     let runs = |line: &Line, at: f64| {
-        let along = |axis: usize| line.ends.iter().all(|end| ((end[axis] - 4.0).abs() - at).abs() < 1e-9);
+        let along = |axis: usize| {
+            line.ends
+                .iter()
+                .all(|end| ((end[axis] - 4.0).abs() - at).abs() < 1e-9)
+        };
         along(0) || along(1)
     };
     for line in &map.lines {
@@ -46,7 +50,12 @@ fn the_outlines_of_the_penumbra_scene() {
     // The crossings of 0.4 with 2 and 0.4, the corners of 2 and of the surface.
     assert_eq!(mesh.vertices.len(), 12 + 4 + 4);
     assert_eq!(mesh.left_out, 0);
-    let free = |value: f64| mesh.free.iter().filter(|&&free| free == Some(value)).count();
+    let free = |value: f64| {
+        mesh.free
+            .iter()
+            .filter(|&&free| free == Some(value))
+            .count()
+    };
     assert_eq!([free(1.0), free(0.0)], [16, 0]);
 }
 
@@ -86,7 +95,10 @@ fn hidden_occluders_draw_no_line() {
     let [without, with] = [without, with].map(|scene| map(&scene, "receiver", "light"));
     // Strengths differ by the rounding of V.
     let lines = |map: &ShadowMap| -> Vec<(Kind, [[f64; 2]; 2])> {
-        map.lines.iter().map(|line| (line.kind, line.ends)).collect()
+        map.lines
+            .iter()
+            .map(|line| (line.kind, line.ends))
+            .collect()
     };
     let [mut one, mut other] = [lines(&without), lines(&with)];
     one.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
@@ -100,7 +112,12 @@ fn hidden_occluders_draw_no_line() {
 #[test]
 fn a_wall_higher_than_the_luminaire() {
     let mut scene = stacked(0.5, 0.1, 8.0);
-    let wall = [[2.0, -1.0, -0.5], [2.0, 1.0, -0.5], [2.0, 1.0, 6.0], [2.0, -1.0, 6.0]];
+    let wall = [
+        [2.0, -1.0, -0.5],
+        [2.0, 1.0, -0.5],
+        [2.0, 1.0, 6.0],
+        [2.0, -1.0, 6.0],
+    ];
     scene.surfaces.push(polygon("wall", &wall, 0.0));
     let map = map(&scene, "receiver", "light");
     // The foot from (2, -1) to (2, 1); behind it the umbra between the lines
@@ -132,7 +149,12 @@ fn a_wall_higher_than_the_luminaire() {
 #[test]
 fn a_horizon_across_the_receiver() {
     let mut scene = stacked(0.5, 0.1, 8.0);
-    let corners = [[1.0, -1.0, 1.0], [1.0, -1.0, 2.0], [1.0, 1.0, 2.0], [1.0, 1.0, 1.0]];
+    let corners = [
+        [1.0, -1.0, 1.0],
+        [1.0, -1.0, 2.0],
+        [1.0, 1.0, 2.0],
+        [1.0, 1.0, 1.0],
+    ];
     scene.surfaces[1] = polygon("light", &corners, 1.0);
     let map = map(&scene, "receiver", "light");
     assert_eq!(map.class(5.1, 4.0), Class::Behind);
@@ -165,7 +187,11 @@ fn copies_have_the_same_lines() {
         let scene = read(text);
         let original = map(&scene, receiver, "light");
         for (axis, angle) in [(DVec3::X, 0.7), (DVec3::new(0.6, 0.0, 0.8), 2.1)] {
-            let copy = turned(&scene, DQuat::from_axis_angle(axis, angle), DVec3::new(1.0, -2.0, 0.5));
+            let copy = turned(
+                &scene,
+                DQuat::from_axis_angle(axis, angle),
+                DVec3::new(1.0, -2.0, 0.5),
+            );
             let copy = map(&copy, receiver, "light");
             assert_same(&original, &copy);
         }
@@ -175,7 +201,11 @@ fn copies_have_the_same_lines() {
 fn assert_same(one: &ShadowMap, other: &ShadowMap) {
     assert_eq!(one.shadows.len(), other.shadows.len());
     for (a, b) in one.shadows.iter().zip(&other.shadows) {
-        for (a, b) in [(&a.outer, &b.outer), (&a.umbra, &b.umbra), (&a.antumbra, &b.antumbra)] {
+        for (a, b) in [
+            (&a.outer, &b.outer),
+            (&a.umbra, &b.umbra),
+            (&a.antumbra, &b.antumbra),
+        ] {
             assert!((area(a) - area(b)).abs() < 1e-6, "{a:?} {b:?}");
         }
     }
@@ -185,14 +215,29 @@ fn assert_same(one: &ShadowMap, other: &ShadowMap) {
     }
     let length = |map: &ShadowMap, kind: Kind| -> f64 {
         let lines = map.lines.iter().filter(|line| line.kind == kind);
-        lines.map(|line| DVec2::from(line.ends[0]).distance(line.ends[1].into())).sum()
+        lines
+            .map(|line| DVec2::from(line.ends[0]).distance(line.ends[1].into()))
+            .sum()
     };
-    for kind in [Kind::Outer, Kind::Umbra, Kind::Antumbra, Kind::Event, Kind::Overlap] {
+    for kind in [
+        Kind::Outer,
+        Kind::Umbra,
+        Kind::Antumbra,
+        Kind::Event,
+        Kind::Overlap,
+    ] {
         let [a, b] = [one, other].map(|map| length(map, kind));
         assert!((a - b).abs() < 1e-4, "{kind:?}: {a} {b}");
     }
     let tagged = |map: &ShadowMap| {
-        let mesh = Mesh::of(&map.floor, &[map], &Options { lines: Lines::All, ..bare() });
+        let mesh = Mesh::of(
+            &map.floor,
+            &[map],
+            &Options {
+                lines: Lines::All,
+                ..bare()
+            },
+        );
         let mut areas = [0.0; 5];
         for (number, &tag) in mesh.tags.iter().enumerate() {
             let [a, b, c] = mesh.corners(number);

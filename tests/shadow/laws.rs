@@ -91,7 +91,11 @@ fn clearance(map: &ShadowMap, at: DVec2) -> f64 {
     let corners = &map.floor.frame.vertices;
     let count = corners.len();
     let sides = (0..count).map(|i| [corners[i], corners[(i + 1) % count]].map(DVec2::from));
-    let feet = map.floor.contacts.iter().map(|line| line.ends.map(DVec2::from));
+    let feet = map
+        .floor
+        .contacts
+        .iter()
+        .map(|line| line.ends.map(DVec2::from));
     sides
         .chain(feet)
         .map(|[a, b]| distance(at, a, b))
@@ -117,10 +121,13 @@ fn the_fraction_is_continuous_across_lines() {
                 if clearance(&map, at) < 1e-3 {
                     continue;
                 }
-                let [left, right] = [at + across, at - across]
-                    .map(|p| map.fraction(p.x, p.y).expect("light"));
+                let [left, right] =
+                    [at + across, at - across].map(|p| map.fraction(p.x, p.y).expect("light"));
                 // The steepest penumbra of these scenes rises in a millimetre.
-                assert!((left - right).abs() < 4e-3, "{line:?} at {t}: {left} {right}");
+                assert!(
+                    (left - right).abs() < 4e-3,
+                    "{line:?} at {t}: {left} {right}"
+                );
                 looked += 1;
             }
         }
@@ -154,7 +161,10 @@ pub(crate) fn jumps(map: &ShadowMap, walks: usize, seed: u64) -> [usize; 2] {
             let Some(around) = window.iter().copied().collect::<Option<Vec<f64>>>() else {
                 continue;
             };
-            let calm = [0, 1, 2, 14, 15, 16].map(|i| around[i]).into_iter().fold(0.0, f64::max);
+            let calm = [0, 1, 2, 14, 15, 16]
+                .map(|i| around[i])
+                .into_iter()
+                .fold(0.0, f64::max);
             let peak = around[8];
             let is_peak = around[4..13].iter().all(|&other| other <= peak);
             if is_peak && peak > 2e-6 && peak > 10.0 * calm {

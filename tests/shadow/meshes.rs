@@ -23,7 +23,8 @@ fn options(longest: f64) -> [Options; 4] {
 /// What is left of a surface without the feet of bodies, from the scene file.
 fn exposed(scene: &Scene, receiver: &str, feet: &[&str]) -> f64 {
     let named = |name: &str| &scene.surfaces[scene.surface_named(name).expect("a surface")];
-    feet.iter().fold(named(receiver).area, |left, foot| left - named(foot).area)
+    feet.iter()
+        .fold(named(receiver).area, |left, foot| left - named(foot).area)
 }
 
 #[test]
@@ -34,7 +35,12 @@ fn areas_are_those_of_the_surfaces_without_feet() {
         (shipped::CORNELL, "floor", "light", &blocks[..]),
         (shipped::CORNELL, "back", "light", &[][..]),
         (shipped::CORNELL, "left1", "light", &[][..]),
-        (shipped::OFFICE, "floor", "lum01", &["legL_top", "legR_top"][..]),
+        (
+            shipped::OFFICE,
+            "floor",
+            "lum01",
+            &["legL_top", "legR_top"][..],
+        ),
     ] {
         let scene = read(text);
         let map = map(&scene, receiver, luminaire);
@@ -134,7 +140,16 @@ fn the_same_scene_has_the_same_mesh() {
     let mesh = || {
         let map = map(&cornell(), "floor", "light");
         let mesh = Mesh::of(&map.floor, &[&map], &Options::default());
-        format!("{:?}", (map.lines, mesh.vertices, mesh.triangles, mesh.tags, mesh.free))
+        format!(
+            "{:?}",
+            (
+                map.lines,
+                mesh.vertices,
+                mesh.triangles,
+                mesh.tags,
+                mesh.free
+            )
+        )
     };
     assert_eq!(mesh(), mesh());
 }

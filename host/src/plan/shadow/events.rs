@@ -68,6 +68,53 @@ pub(super) fn of_pair(setting: &Setting, first: &Occluder, second: &Occluder) ->
     events
 }
 
+/// The segments in the planes of an occluder's faces from which some of the
+/// luminaire is seen past the face, edge on: V bends where its near side gives
+/// way to its far side.
+pub(super) fn of_faces(setting: &Setting, occluder: &Occluder) -> Vec<[DVec2; 2]> {
+    let faces = occluder.faces.iter();
+    faces.flat_map(|face| of_face(setting, face)).collect()
+}
+
+fn of_face(setting: &Setting, face: &[DVec3]) -> Vec<[DVec2; 2]> {
+    let normal = newell(face);
+    let steep = normal.truncate().length();
+    if steep < 1e-6 {
+        return Vec::new();
+    }
+    // The line in which the face's plane meets the receiver's.
+    let direction = normal.truncate().perp() / steep;
+    let foot = face[0].truncate() + normal.truncate() * (normal.z * face[0].z / (steep * steep));
+    let ends = [foot, foot + direction];
+    let chords = chords(setting, normal, face[0], direction.extend(0.0));
+    let segment = |chord: [DVec3; 2]| {
+        let over = |&apex: &DVec3| {
+            let event = Event::new(Kind::Face, apex, ends);
+            event.covered(setting, &chord, Part::Above)
+        };
+        let under = |&apex: &DVec3| {
+            let event = Event::new(Kind::Face, apex, ends);
+            event.covered(setting, face, Part::Below)
+        };
+        let ranges = face
+            .iter()
+            .filter_map(over)
+            .chain(chord.iter().filter_map(under));
+        let [low, high] = ranges.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
+        Some([low, high].map(|t| foot + direction * t))
+    };
+    chords.into_iter().filter_map(segment).collect()
+}
+
+/// The unit normal of a polygon; 0 for one without area.
+fn newell(polygon: &[DVec3]) -> DVec3 {
+    let count = polygon.len();
+    let doubled: DVec3 = (0..count)
+        .map(|i| (polygon[i] - polygon[0]).cross(polygon[(i + 1) % count] - polygon[0]))
+        .sum();
+    doubled.normalize_or_zero()
+}
+
 /// The part of something below an apex, or above it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
@@ -212,21 +259,12 @@ impl Event {
         let Some(normal) = self.plane() else {
             return Vec::new();
         };
-        let height = |place: DVec3| normal.dot(place - self.apex);
-        let mut crossings: Vec<DVec3> = Vec::new();
-        for &[from, to] in &setting.light.edges {
-            let (a, b) = (height(from), height(to));
-            if (a > 0.0) != (b > 0.0) {
-                crossings.push(from.lerp(to, a / (a - b)));
-            }
-        }
         let [a, b] = self.ends;
-        let along = (b - a).normalize_or_zero().extend(0.0);
-        crossings.sort_by(|p, q| p.dot(along).total_cmp(&q.dot(along)));
-        let chunks = crossings.chunks_exact(2);
-        chunks
+        let along = (b - a).extend(0.0);
+        chords(setting, normal, self.apex, along)
+            .into_iter()
             .filter_map(|chord| {
-                let [from, to] = self.covered(setting, chord, Part::Above)?;
+                let [from, to] = self.covered(setting, &chord, Part::Above)?;
                 let (from, to) = (from.max(0.0), to.min(1.0));
                 (to > from).then(|| self.part([from, to]))
             })
@@ -284,6 +322,23 @@ impl Event {
         }
         seen
     }
+}
+
+/// The parts of a plane's section of the luminaire, in the order of `along`.
+fn chords(setting: &Setting, normal: DVec3, place: DVec3, along: DVec3) -> Vec<[DVec3; 2]> {
+    let height = |point: DVec3| normal.dot(point - place);
+    let mut crossings: Vec<DVec3> = Vec::new();
+    let outline = &setting.light.points;
+    for (i, &from) in outline.iter().enumerate() {
+        let to = outline[(i + 1) % outline.len()];
+        let (a, b) = (height(from), height(to));
+        if (a > 0.0) != (b > 0.0) {
+            crossings.push(from.lerp(to, a / (a - b)));
+        }
+    }
+    crossings.sort_by(|p, q| p.dot(along).total_cmp(&q.dot(along)));
+    let pairs = crossings.chunks_exact(2);
+    pairs.map(|pair| [pair[0], pair[1]]).collect()
 }
 
 /// The range of distances of places from a plane through `place`.

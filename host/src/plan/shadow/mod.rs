@@ -57,6 +57,9 @@ pub enum Kind {
     /// The outline of the region that sees an occluder wholly within the
     /// luminaire.
     Antumbra,
+    /// In the plane of an occluder's face, which is seen edge on before the
+    /// luminaire: V bends.
+    Face,
     /// A vertex of the luminaire on an edge of an occluder, or the reverse.
     Event,
     /// A vertex of an occluder on an edge of another one.
@@ -75,6 +78,9 @@ pub struct Line {
     /// contact and horizon).
     pub strength: f64,
 }
+
+/// A segment that may be a line.
+type Candidate = (Kind, [DVec2; 2]);
 
 impl Line {
     /// Its strength times its length: how much it matters among its kind.
@@ -152,24 +158,27 @@ impl ShadowMap {
             dropped: 0,
             lookout,
         };
-        let events = map.cast(&setting);
-        map.keep(&setting, events);
+        let candidates = map.cast(&setting);
+        map.keep(&setting, candidates);
         Ok(map)
     }
 
-    /// Finds the shadows, and all events within the surface that are seen.
-    fn cast(&mut self, setting: &Setting) -> Vec<Event> {
+    /// Finds the shadows, and all segments within the surface that may matter.
+    fn cast(&mut self, setting: &Setting) -> Vec<Candidate> {
         let size = DVec2::new(self.floor.frame.size_u, self.floor.frame.size_v);
         let margin = 1e-3 * size;
         let bounds = [-margin, size + margin];
         let mut casting = Vec::new();
         let mut events = Vec::new();
+        let mut candidates = Vec::new();
         if setting.light.apexes.is_empty() {
-            return events;
+            return candidates;
         }
         for occluder in &setting.occluders {
             if let Some(shadow) = Shadow::new(setting, occluder, bounds) {
                 events.extend(events::of_occluder(setting, occluder, &shadow));
+                let faces = events::of_faces(setting, occluder).into_iter();
+                candidates.extend(faces.flat_map(|ends| self.pieces(ends)));
                 casting.push((occluder, shadow));
             }
         }
@@ -181,33 +190,61 @@ impl ShadowMap {
             }
         }
         self.shadows = casting.into_iter().map(|(_, shadow)| shadow).collect();
-        let within = events.into_par_iter().flat_map_iter(|event| {
-            let parts = self.floor.within(event.ends);
-            let parts = parts.into_iter().map(move |part| event.part(part));
-            parts
-                .flat_map(|part| part.seen(setting))
-                .collect::<Vec<_>>()
+        let seen = events.into_par_iter().flat_map_iter(|event| {
+            let parts = self.floor.within(event.ends).into_iter();
+            let seen = parts.flat_map(|part| event.part(part).seen(setting));
+            let candidate = |event: Event| (event.kind, event.ends);
+            seen.map(candidate).collect::<Vec<_>>()
         });
-        within.collect()
+        let seen: Vec<Candidate> = seen.collect();
+        candidates.extend(seen);
+        candidates
     }
 
-    /// Keeps those events that matter, and the horizon.
-    fn keep(&mut self, setting: &Setting, events: Vec<Event>) {
-        let found = events.len();
+    /// The parts within the surface of a segment in the plane of a face, cut in
+    /// pieces that matter or not each by itself: what hides the face is not
+    /// known.
+    fn pieces(&self, [a, b]: [DVec2; 2]) -> Vec<Candidate> {
+        const PIECES: usize = 8;
+        let parts = self.floor.within([a, b]).into_iter();
+        let pieces = parts.flat_map(|[from, to]| {
+            let at = move |k: usize| from + (to - from) * k as f64 / PIECES as f64;
+            (0..PIECES).map(move |k| [at(k), at(k + 1)])
+        });
+        let ends = pieces.map(|piece| piece.map(|t| a.lerp(b, t)));
+        ends.map(|ends| (Kind::Face, ends)).collect()
+    }
+
+    /// Keeps those segments that matter, and the horizon.
+    fn keep(&mut self, setting: &Setting, candidates: Vec<Candidate>) {
+        let found = candidates.len();
         let shortest = self.floor.resolution();
-        let measured = events.into_par_iter().filter_map(|event| {
-            let [a, b] = event.ends;
-            let strength = (a.distance(b) > shortest)
-                .then(|| significance::of(self, event.ends))
-                .flatten()?;
+        let measured = candidates.into_par_iter().map(|(kind, ends)| {
+            let [a, b] = ends;
+            let long = a.distance(b) > shortest;
+            let strength = long.then(|| significance::of(self, ends)).flatten()?;
+            let ends = ends.map(Into::into);
             Some(Line {
-                kind: event.kind,
-                ends: event.ends.map(Into::into),
+                kind,
+                ends,
                 strength,
             })
         });
-        let mut lines: Vec<Line> = measured.collect();
-        self.dropped = found - lines.len();
+        let measured: Vec<Option<Line>> = measured.collect();
+        let mut lines: Vec<Line> = Vec::new();
+        let mut kept = 0;
+        for line in measured.into_iter().flatten() {
+            kept += 1;
+            match lines.last_mut() {
+                // Pieces of one face's line.
+                Some(last) if line.kind == Kind::Face && last.ends[1] == line.ends[0] => {
+                    last.ends[1] = line.ends[1];
+                    last.strength = last.strength.max(line.strength);
+                }
+                _ => lines.push(line),
+            }
+        }
+        self.dropped = found - kept;
         let middle = DVec2::new(self.floor.frame.size_u, self.floor.frame.size_v) / 2.0;
         if let Some([a, b]) = cast::horizon(&setting.light, middle, setting.far) {
             lines.extend(self.floor.within([a, b]).into_iter().map(|part| Line {
