@@ -1,9 +1,9 @@
 //! Laws of the visible fraction and of the lines.
 
 use crate::lit::{self, Lit, Roomy};
-use crate::{cornell, map, places, read};
+use crate::{cornell, encloses, map, places, read};
 use glam::DVec2;
-use isolux_host::plan::shadow::{Kind, Line, Mesh, Options, ShadowMap};
+use isolux_host::plan::shadow::{Kind, Line, Mesh, Options, Shadow, ShadowMap};
 use isolux_host::scene::{Scene, shipped};
 
 const MAPS: [(&str, &str, &str); 6] = [
@@ -135,13 +135,32 @@ fn the_fraction_is_continuous_across_lines() {
     assert!(looked > 100, "{looked}");
 }
 
-/// Walks over a surface and counts where V's curvature jumps: on lines of the
-/// map, and elsewhere.
-pub(crate) fn jumps(map: &ShadowMap, walks: usize, seed: u64) -> [usize; 2] {
+/// Where V's curvature jumps.
+#[derive(Default)]
+pub(crate) struct Jumps {
+    /// On lines of the map.
+    pub(crate) on: usize,
+    /// Elsewhere in the shadows of two occluders or more: the curved events of
+    /// three edges, which are not in the map.
+    pub(crate) curved: usize,
+    /// Elsewhere: lines that are missing.
+    pub(crate) missing: usize,
+}
+
+impl Jumps {
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.on += other.on;
+        self.curved += other.curved;
+        self.missing += other.missing;
+    }
+}
+
+/// Walks over a surface and counts where V's curvature jumps.
+pub(crate) fn jumps(map: &ShadowMap, walks: usize, seed: u64) -> Jumps {
     const STEPS: usize = 600;
     let frame = &map.floor.frame;
     let step = frame.size_u.max(frame.size_v) / 1000.0;
-    let mut found = [0; 2];
+    let mut found = Jumps::default();
     let ends = places(map, 2 * walks, seed);
     for pair in ends.chunks_exact(2) {
         let along = (pair[1] - pair[0]).normalize() * step;
@@ -172,7 +191,13 @@ pub(crate) fn jumps(map: &ShadowMap, walks: usize, seed: u64) -> [usize; 2] {
                 let near = |line: &Line| {
                     distance(place, line.ends[0].into(), line.ends[1].into()) < 3.0 * step
                 };
-                found[usize::from(!map.lines.iter().any(near))] += 1;
+                let over = |shadow: &&Shadow| encloses(&shadow.outer, place);
+                let count = match map.shadows.iter().filter(over).count() {
+                    _ if map.lines.iter().any(near) => &mut found.on,
+                    0 | 1 => &mut found.missing,
+                    _ => &mut found.curved,
+                };
+                *count += 1;
             }
         }
     }
@@ -183,14 +208,19 @@ pub(crate) fn jumps(map: &ShadowMap, walks: usize, seed: u64) -> [usize; 2] {
 /// events of three edges, which are not in the map.
 #[test]
 fn between_lines_the_fraction_is_smooth() {
-    let mut all = [0; 2];
-    each(|_, map, what| {
-        let [on, off] = jumps(&map, 60, 5);
-        println!("{what}: {on} jumps on lines, {off} elsewhere");
-        all = [all[0] + on, all[1] + off];
-    });
-    let [on, off] = all;
-    assert!(on > 300 && off * 50 <= on, "{on} on lines, {off} elsewhere");
+    let mut all = Jumps::default();
+    each(|_, map, _| all.add(&jumps(&map, 60, 5)));
+    let Jumps {
+        on,
+        curved,
+        missing,
+    } = all;
+    println!("{on} jumps on lines, {curved} on curves, {missing} elsewhere");
+    assert!(
+        on > 300 && missing == 0,
+        "{on} on lines, {missing} elsewhere"
+    );
+    assert!(curved * 50 <= on, "{on} on lines, {curved} on curves");
 }
 
 /// A mesh of all lines interpolates V better than a grid of as many samples that

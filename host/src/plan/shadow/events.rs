@@ -21,6 +21,9 @@ pub(super) struct Event {
     apex: DVec3,
     /// Whether the sight lines go on beyond the apex.
     passes: bool,
+    /// Whether two edges lie in the event's plane, so that it has sight lines
+    /// beside the apex.
+    is_broad: bool,
 }
 
 /// The events of one occluder with the luminaire: a vertex of the luminaire on
@@ -159,6 +162,7 @@ impl Event {
             ends,
             apex,
             passes: false,
+            is_broad: false,
         }
     }
 
@@ -205,17 +209,30 @@ impl Event {
             let nothing = setting.nothing;
             (low >= -nothing, high <= nothing)
         };
+        let is_broad = self.holds_edge(setting, &setting.light.points)
+            && self.holds_edge(setting, &occluder.points);
+        let this = Self { is_broad, ..self };
         match (side(&setting.light.points), side(&occluder.points)) {
             (_, (true, true)) => Vec::new(),
             ((true, _), (_, true)) | ((_, true), (true, _)) => vec![Self {
                 kind: names[1],
-                ..self
+                ..this
             }],
             ((true, _), (true, _)) | ((_, true), (_, true)) => {
-                self.split(setting, names[0], region)
+                this.split(setting, names[0], region)
             }
-            _ => vec![self],
+            _ => vec![this],
         }
+    }
+
+    /// Whether two of these places or more lie in its plane.
+    fn holds_edge(&self, setting: &Setting, points: &[DVec3]) -> bool {
+        let Some(normal) = self.plane() else {
+            return false;
+        };
+        let height = |point: &&DVec3| normal.dot(**point - self.apex).abs();
+        let on = points.iter().filter(|p| height(p) <= setting.nothing);
+        on.count() >= 2
     }
 
     fn split(self, setting: &Setting, kind: Kind, region: &[[f64; 2]]) -> Vec<Self> {
@@ -292,7 +309,13 @@ impl Event {
         range
     }
 
-    /// The parts that some occluder does not hide.
+    /// Whether some sight lines may be seen of what [`seen`](Self::seen) leaves
+    /// out.
+    pub(super) fn is_broad(&self) -> bool {
+        self.is_broad
+    }
+
+    /// The parts whose sight lines no occluder hides.
     pub(super) fn seen(self, setting: &Setting) -> Vec<Self> {
         let Some(normal) = self.plane() else {
             return Vec::new();

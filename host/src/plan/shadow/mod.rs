@@ -83,11 +83,39 @@ pub struct Line {
 type Candidate = (Kind, [DVec2; 2]);
 
 impl Line {
+    /// Whether it is the next piece of the same segment.
+    fn continues(&self, before: &Self) -> bool {
+        let [a, b] = before.ends.map(DVec2::from);
+        let [c, d] = self.ends.map(DVec2::from);
+        let (one, other) = (b - a, d - c);
+        let straight = one.perp_dot(other).abs() <= 1e-9 * one.length() * other.length();
+        self.kind == before.kind && b == c && straight && one.dot(other) > 0.0
+    }
+
     /// Its strength times its length: how much it matters among its kind.
     pub(super) fn weight(&self) -> f64 {
         let [a, b] = self.ends.map(DVec2::from);
         self.strength * a.distance(b)
     }
+}
+
+/// The parts of an event that may matter.
+fn seen(setting: &Setting, event: Event) -> Vec<Candidate> {
+    let candidate = |event: Event| (event.kind, event.ends);
+    let (kind, ends) = candidate(event);
+    let seen: Vec<Candidate> = event.seen(setting).into_iter().map(candidate).collect();
+    if event.is_broad() && seen != [(kind, ends)] {
+        return pieces(kind, ends);
+    }
+    seen
+}
+
+/// A segment in pieces that matter or not each by itself: of what hides it all
+/// is not known.
+fn pieces(kind: Kind, [a, b]: [DVec2; 2]) -> Vec<Candidate> {
+    const PIECES: usize = 8;
+    let at = |k: usize| a.lerp(b, k as f64 / PIECES as f64);
+    (0..PIECES).map(|k| (kind, [at(k), at(k + 1)])).collect()
 }
 
 /// What a place sees of the luminaire.
@@ -178,7 +206,11 @@ impl ShadowMap {
             if let Some(shadow) = Shadow::new(setting, occluder, bounds) {
                 events.extend(events::of_occluder(setting, occluder, &shadow));
                 let faces = events::of_faces(setting, occluder).into_iter();
-                candidates.extend(faces.flat_map(|ends| self.pieces(ends)));
+                let within = faces.flat_map(|[a, b]| {
+                    let parts = self.floor.within([a, b]).into_iter();
+                    parts.flat_map(move |part| pieces(Kind::Face, part.map(|t| a.lerp(b, t))))
+                });
+                candidates.extend(within);
                 casting.push((occluder, shadow));
             }
         }
@@ -192,27 +224,14 @@ impl ShadowMap {
         self.shadows = casting.into_iter().map(|(_, shadow)| shadow).collect();
         let seen = events.into_par_iter().flat_map_iter(|event| {
             let parts = self.floor.within(event.ends).into_iter();
-            let seen = parts.flat_map(|part| event.part(part).seen(setting));
-            let candidate = |event: Event| (event.kind, event.ends);
-            seen.map(candidate).collect::<Vec<_>>()
+            let parts = parts.map(|part| event.part(part));
+            parts
+                .flat_map(|part| seen(setting, part))
+                .collect::<Vec<_>>()
         });
         let seen: Vec<Candidate> = seen.collect();
         candidates.extend(seen);
         candidates
-    }
-
-    /// The parts within the surface of a segment in the plane of a face, cut in
-    /// pieces that matter or not each by itself: what hides the face is not
-    /// known.
-    fn pieces(&self, [a, b]: [DVec2; 2]) -> Vec<Candidate> {
-        const PIECES: usize = 8;
-        let parts = self.floor.within([a, b]).into_iter();
-        let pieces = parts.flat_map(|[from, to]| {
-            let at = move |k: usize| from + (to - from) * k as f64 / PIECES as f64;
-            (0..PIECES).map(move |k| [at(k), at(k + 1)])
-        });
-        let ends = pieces.map(|piece| piece.map(|t| a.lerp(b, t)));
-        ends.map(|ends| (Kind::Face, ends)).collect()
     }
 
     /// Keeps those segments that matter, and the horizon.
@@ -236,8 +255,7 @@ impl ShadowMap {
         for line in measured.into_iter().flatten() {
             kept += 1;
             match lines.last_mut() {
-                // Pieces of one face's line.
-                Some(last) if line.kind == Kind::Face && last.ends[1] == line.ends[0] => {
+                Some(last) if line.continues(last) => {
                     last.ends[1] = line.ends[1];
                     last.strength = last.strength.max(line.strength);
                 }
