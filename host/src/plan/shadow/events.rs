@@ -21,6 +21,9 @@ pub(super) struct Event {
     apex: DVec3,
     /// Whether the sight lines go on beyond the apex.
     passes: bool,
+    /// Whether two edges lie in the event's plane, so that it has sight lines
+    /// beside the apex.
+    is_broad: bool,
 }
 
 /// The events of one occluder with the luminaire: a vertex of the luminaire on
@@ -32,7 +35,7 @@ pub(super) fn of_occluder(setting: &Setting, occluder: &Occluder, shadow: &Shado
     for &apex in &light.apexes {
         for &edge in &occluder.edges {
             if let Some(ends) = trace(setting, apex, edge, Part::Below) {
-                let event = Event::new(apex, ends, false);
+                let event = Event::new(Kind::Event, apex, ends);
                 let name = [Kind::Umbra, Kind::Outer];
                 events.extend(event.named(setting, occluder, name, &shadow.umbra));
             }
@@ -41,7 +44,7 @@ pub(super) fn of_occluder(setting: &Setting, occluder: &Occluder, shadow: &Shado
     for &apex in &occluder.apexes {
         for &edge in &light.edges {
             if let Some(ends) = trace(setting, apex, edge, Part::Above) {
-                let event = Event::new(apex, ends, true);
+                let event = Event::new(Kind::Event, apex, ends).passing();
                 let name = [Kind::Antumbra, Kind::Outer];
                 events.extend(event.named(setting, occluder, name, &shadow.antumbra));
             }
@@ -59,13 +62,60 @@ pub(super) fn of_pair(setting: &Setting, first: &Occluder, second: &Occluder) ->
             for &edge in &other.edges {
                 for part in [Part::Below, Part::Above] {
                     let ends = trace(setting, apex, edge, part);
-                    let event = ends.map(|ends| Event::new(apex, ends, true));
+                    let event = ends.map(|ends| Event::new(Kind::Overlap, apex, ends).passing());
                     events.extend(event.into_iter().flat_map(|e| e.before(setting)));
                 }
             }
         }
     }
     events
+}
+
+/// The segments in the planes of an occluder's faces from which some of the
+/// luminaire is seen past the face, edge on: V bends where its near side gives
+/// way to its far side.
+pub(super) fn of_faces(setting: &Setting, occluder: &Occluder) -> Vec<[DVec2; 2]> {
+    let faces = occluder.faces.iter();
+    faces.flat_map(|face| of_face(setting, face)).collect()
+}
+
+fn of_face(setting: &Setting, face: &[DVec3]) -> Vec<[DVec2; 2]> {
+    let normal = newell(face);
+    let steep = normal.truncate().length();
+    if steep < 1e-6 {
+        return Vec::new();
+    }
+    // The line in which the face's plane meets the receiver's.
+    let direction = normal.truncate().perp() / steep;
+    let foot = face[0].truncate() + normal.truncate() * (normal.z * face[0].z / (steep * steep));
+    let ends = [foot, foot + direction];
+    let chords = chords(setting, normal, face[0], direction.extend(0.0));
+    let segment = |chord: [DVec3; 2]| {
+        let over = |&apex: &DVec3| {
+            let event = Event::new(Kind::Face, apex, ends);
+            event.covered(setting, &chord, Part::Above)
+        };
+        let under = |&apex: &DVec3| {
+            let event = Event::new(Kind::Face, apex, ends);
+            event.covered(setting, face, Part::Below)
+        };
+        let ranges = face
+            .iter()
+            .filter_map(over)
+            .chain(chord.iter().filter_map(under));
+        let [low, high] = ranges.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
+        Some([low, high].map(|t| foot + direction * t))
+    };
+    chords.into_iter().filter_map(segment).collect()
+}
+
+/// The unit normal of a polygon; 0 for one without area.
+fn newell(polygon: &[DVec3]) -> DVec3 {
+    let count = polygon.len();
+    let doubled: DVec3 = (0..count)
+        .map(|i| (polygon[i] - polygon[0]).cross(polygon[(i + 1) % count] - polygon[0]))
+        .sum();
+    doubled.normalize_or_zero()
 }
 
 /// The part of something below an apex, or above it.
@@ -106,12 +156,20 @@ fn trace(setting: &Setting, apex: DVec3, edge: [DVec3; 2], part: Part) -> Option
 }
 
 impl Event {
-    fn new(apex: DVec3, ends: [DVec2; 2], passes: bool) -> Self {
+    fn new(kind: Kind, apex: DVec3, ends: [DVec2; 2]) -> Self {
         Self {
-            kind: Kind::Event,
+            kind,
             ends,
             apex,
-            passes,
+            passes: false,
+            is_broad: false,
+        }
+    }
+
+    fn passing(self) -> Self {
+        Self {
+            passes: true,
+            ..self
         }
     }
 
@@ -151,17 +209,30 @@ impl Event {
             let nothing = setting.nothing;
             (low >= -nothing, high <= nothing)
         };
+        let is_broad = self.holds_edge(setting, &setting.light.points)
+            && self.holds_edge(setting, &occluder.points);
+        let this = Self { is_broad, ..self };
         match (side(&setting.light.points), side(&occluder.points)) {
             (_, (true, true)) => Vec::new(),
             ((true, _), (_, true)) | ((_, true), (true, _)) => vec![Self {
                 kind: names[1],
-                ..self
+                ..this
             }],
             ((true, _), (true, _)) | ((_, true), (_, true)) => {
-                self.split(setting, names[0], region)
+                this.split(setting, names[0], region)
             }
-            _ => vec![self],
+            _ => vec![this],
         }
+    }
+
+    /// Whether two of these places or more lie in its plane.
+    fn holds_edge(&self, setting: &Setting, points: &[DVec3]) -> bool {
+        let Some(normal) = self.plane() else {
+            return false;
+        };
+        let height = |point: &&DVec3| normal.dot(**point - self.apex).abs();
+        let on = points.iter().filter(|p| height(p) <= setting.nothing);
+        on.count() >= 2
     }
 
     fn split(self, setting: &Setting, kind: Kind, region: &[[f64; 2]]) -> Vec<Self> {
@@ -187,13 +258,13 @@ impl Event {
         for i in 0..ring.len() {
             let corner = DVec2::from(ring[i]);
             let along = (DVec2::from(ring[(i + 1) % ring.len()]) - corner).normalize_or_zero();
-            let [a, b] = self.ends.map(|end| along.perp_dot(end - corner) + nothing);
-            if a < 0.0 && b < 0.0 {
+            let [a, b] = self.ends.map(|end| along.perp_dot(end - corner));
+            if a < -nothing && b < -nothing {
                 return None;
             }
-            if a < 0.0 {
+            if a < -nothing {
                 from = from.max(a / (a - b));
-            } else if b < 0.0 {
+            } else if b < -nothing {
                 to = to.min(a / (a - b));
             }
         }
@@ -205,21 +276,12 @@ impl Event {
         let Some(normal) = self.plane() else {
             return Vec::new();
         };
-        let height = |place: DVec3| normal.dot(place - self.apex);
-        let mut crossings: Vec<DVec3> = Vec::new();
-        for &[from, to] in &setting.light.edges {
-            let (a, b) = (height(from), height(to));
-            if (a > 0.0) != (b > 0.0) {
-                crossings.push(from.lerp(to, a / (a - b)));
-            }
-        }
         let [a, b] = self.ends;
-        let along = (b - a).normalize_or_zero().extend(0.0);
-        crossings.sort_by(|p, q| p.dot(along).total_cmp(&q.dot(along)));
-        let chunks = crossings.chunks_exact(2);
-        chunks
+        let along = (b - a).extend(0.0);
+        chords(setting, normal, self.apex, along)
+            .into_iter()
             .filter_map(|chord| {
-                let [from, to] = self.covered(setting, chord, Part::Above)?;
+                let [from, to] = self.covered(setting, &chord, Part::Above)?;
                 let (from, to) = (from.max(0.0), to.min(1.0));
                 (to > from).then(|| self.part([from, to]))
             })
@@ -247,7 +309,13 @@ impl Event {
         range
     }
 
-    /// The parts that some occluder does not hide.
+    /// Whether some sight lines may be seen of what [`seen`](Self::seen) leaves
+    /// out.
+    pub(super) fn is_broad(&self) -> bool {
+        self.is_broad
+    }
+
+    /// The parts whose sight lines no occluder hides.
     pub(super) fn seen(self, setting: &Setting) -> Vec<Self> {
         let Some(normal) = self.plane() else {
             return Vec::new();
@@ -277,6 +345,23 @@ impl Event {
         }
         seen
     }
+}
+
+/// The parts of a plane's section of the luminaire, in the order of `along`.
+fn chords(setting: &Setting, normal: DVec3, place: DVec3, along: DVec3) -> Vec<[DVec3; 2]> {
+    let height = |point: DVec3| normal.dot(point - place);
+    let mut crossings: Vec<DVec3> = Vec::new();
+    let outline = &setting.light.points;
+    for (i, &from) in outline.iter().enumerate() {
+        let to = outline[(i + 1) % outline.len()];
+        let (a, b) = (height(from), height(to));
+        if (a > 0.0) != (b > 0.0) {
+            crossings.push(from.lerp(to, a / (a - b)));
+        }
+    }
+    crossings.sort_by(|p, q| p.dot(along).total_cmp(&q.dot(along)));
+    let pairs = crossings.chunks_exact(2);
+    pairs.map(|pair| [pair[0], pair[1]]).collect()
 }
 
 /// The range of distances of places from a plane through `place`.

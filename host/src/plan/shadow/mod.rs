@@ -57,6 +57,9 @@ pub enum Kind {
     /// The outline of the region that sees an occluder wholly within the
     /// luminaire.
     Antumbra,
+    /// In the plane of an occluder's face, which is seen edge on before the
+    /// luminaire: V bends.
+    Face,
     /// A vertex of the luminaire on an edge of an occluder, or the reverse.
     Event,
     /// A vertex of an occluder on an edge of another one.
@@ -76,12 +79,43 @@ pub struct Line {
     pub strength: f64,
 }
 
+/// A segment that may be a line.
+type Candidate = (Kind, [DVec2; 2]);
+
 impl Line {
+    /// Whether it is the next piece of the same segment.
+    fn continues(&self, before: &Self) -> bool {
+        let [a, b] = before.ends.map(DVec2::from);
+        let [c, d] = self.ends.map(DVec2::from);
+        let (one, other) = (b - a, d - c);
+        let straight = one.perp_dot(other).abs() <= 1e-9 * one.length() * other.length();
+        self.kind == before.kind && b == c && straight && one.dot(other) > 0.0
+    }
+
     /// Its strength times its length: how much it matters among its kind.
     pub(super) fn weight(&self) -> f64 {
         let [a, b] = self.ends.map(DVec2::from);
         self.strength * a.distance(b)
     }
+}
+
+/// The parts of an event that may matter.
+fn seen(setting: &Setting, event: Event) -> Vec<Candidate> {
+    let candidate = |event: Event| (event.kind, event.ends);
+    let (kind, ends) = candidate(event);
+    let seen: Vec<Candidate> = event.seen(setting).into_iter().map(candidate).collect();
+    if event.is_broad() && seen != [(kind, ends)] {
+        return pieces(kind, ends);
+    }
+    seen
+}
+
+/// A segment in pieces that matter or not each by itself: of what hides it all
+/// is not known.
+fn pieces(kind: Kind, [a, b]: [DVec2; 2]) -> Vec<Candidate> {
+    const PIECES: usize = 8;
+    let at = |k: usize| a.lerp(b, k as f64 / PIECES as f64);
+    (0..PIECES).map(|k| (kind, [at(k), at(k + 1)])).collect()
 }
 
 /// What a place sees of the luminaire.
@@ -152,24 +186,31 @@ impl ShadowMap {
             dropped: 0,
             lookout,
         };
-        let events = map.cast(&setting);
-        map.keep(&setting, events);
+        let candidates = map.cast(&setting);
+        map.keep(&setting, candidates);
         Ok(map)
     }
 
-    /// Finds the shadows, and all events within the surface that are seen.
-    fn cast(&mut self, setting: &Setting) -> Vec<Event> {
+    /// Finds the shadows, and all segments within the surface that may matter.
+    fn cast(&mut self, setting: &Setting) -> Vec<Candidate> {
         let size = DVec2::new(self.floor.frame.size_u, self.floor.frame.size_v);
         let margin = 1e-3 * size;
         let bounds = [-margin, size + margin];
         let mut casting = Vec::new();
         let mut events = Vec::new();
+        let mut candidates = Vec::new();
         if setting.light.apexes.is_empty() {
-            return events;
+            return candidates;
         }
         for occluder in &setting.occluders {
             if let Some(shadow) = Shadow::new(setting, occluder, bounds) {
                 events.extend(events::of_occluder(setting, occluder, &shadow));
+                let faces = events::of_faces(setting, occluder).into_iter();
+                let within = faces.flat_map(|[a, b]| {
+                    let parts = self.floor.within([a, b]).into_iter();
+                    parts.flat_map(move |part| pieces(Kind::Face, part.map(|t| a.lerp(b, t))))
+                });
+                candidates.extend(within);
                 casting.push((occluder, shadow));
             }
         }
@@ -181,33 +222,47 @@ impl ShadowMap {
             }
         }
         self.shadows = casting.into_iter().map(|(_, shadow)| shadow).collect();
-        let within = events.into_par_iter().flat_map_iter(|event| {
-            let parts = self.floor.within(event.ends);
-            let parts = parts.into_iter().map(move |part| event.part(part));
+        let seen = events.into_par_iter().flat_map_iter(|event| {
+            let parts = self.floor.within(event.ends).into_iter();
+            let parts = parts.map(|part| event.part(part));
             parts
-                .flat_map(|part| part.seen(setting))
+                .flat_map(|part| seen(setting, part))
                 .collect::<Vec<_>>()
         });
-        within.collect()
+        let seen: Vec<Candidate> = seen.collect();
+        candidates.extend(seen);
+        candidates
     }
 
-    /// Keeps those events that matter, and the horizon.
-    fn keep(&mut self, setting: &Setting, events: Vec<Event>) {
-        let found = events.len();
+    /// Keeps those segments that matter, and the horizon.
+    fn keep(&mut self, setting: &Setting, candidates: Vec<Candidate>) {
+        let found = candidates.len();
         let shortest = self.floor.resolution();
-        let measured = events.into_par_iter().filter_map(|event| {
-            let [a, b] = event.ends;
-            let strength = (a.distance(b) > shortest)
-                .then(|| significance::of(self, event.ends))
-                .flatten()?;
+        let measured = candidates.into_par_iter().map(|(kind, ends)| {
+            let [a, b] = ends;
+            let long = a.distance(b) > shortest;
+            let strength = long.then(|| significance::of(self, ends)).flatten()?;
+            let ends = ends.map(Into::into);
             Some(Line {
-                kind: event.kind,
-                ends: event.ends.map(Into::into),
+                kind,
+                ends,
                 strength,
             })
         });
-        let mut lines: Vec<Line> = measured.collect();
-        self.dropped = found - lines.len();
+        let measured: Vec<Option<Line>> = measured.collect();
+        let mut lines: Vec<Line> = Vec::new();
+        let mut kept = 0;
+        for line in measured.into_iter().flatten() {
+            kept += 1;
+            match lines.last_mut() {
+                Some(last) if line.continues(last) => {
+                    last.ends[1] = line.ends[1];
+                    last.strength = last.strength.max(line.strength);
+                }
+                _ => lines.push(line),
+            }
+        }
+        self.dropped = found - kept;
         let middle = DVec2::new(self.floor.frame.size_u, self.floor.frame.size_v) / 2.0;
         if let Some([a, b]) = cast::horizon(&setting.light, middle, setting.far) {
             lines.extend(self.floor.within([a, b]).into_iter().map(|part| Line {

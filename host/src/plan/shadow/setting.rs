@@ -24,7 +24,7 @@ pub(super) struct Setting {
 /// The part of the luminaire above the receiver's plane.
 #[derive(Clone, Debug)]
 pub(super) struct Light {
-    /// The vertices of that part.
+    /// The vertices of that part, in order.
     pub(super) points: Vec<DVec3>,
     /// Vertices strictly above the receiver's plane.
     pub(super) apexes: Vec<DVec3>,
