@@ -27,6 +27,12 @@ pub const fn sight_bytes(sight: &Sight) -> usize {
     76 + 4 * polygon + 12 * sight.lines as usize + ends + waiting
 }
 
+/// Bytes of RAM that the room takes in which surfaces are reconstructed, one after the
+/// other: 4 a value and channel; 0 where the cone filter does it.
+pub const fn room_bytes(counts: &Counts) -> usize {
+    4 * counts.channels as usize * counts.room as usize
+}
+
 /// Form factors that direct light costs: one per luminaire and sample, less
 /// the samples on a luminaire's own surface.
 pub fn direct_form_factors(scene: &Scene<'_>) -> u64 {

@@ -170,9 +170,16 @@ fn transfer(counts: &Counts, sight: &Sight) -> Result<[String; 2], String> {
 }
 
 /// The lines of the job that light in floating point asks for besides.
-fn light(counts: &Counts, sight: &Sight) -> Result<[String; 9], String> {
+fn light(counts: &Counts, sight: &Sight) -> Result<[String; 12], String> {
     let [transfer, looking] = transfer(counts, sight)?;
+    let reconstruction = match counts.meshes {
+        0 => "Tensors",
+        _ => "Stencils",
+    };
     Ok([
+        "/// How surfaces are put together from their fields, where they have them.".to_owned(),
+        "pub(crate) type Reconstruction =".to_owned(),
+        format!("    isolux::resample::{reconstruction}<crate::root::Chosen>;"),
         "/// How radiosity varies over an emitter, and its channels.".to_owned(),
         format!("pub(crate) type Luminance = {};", luminance(counts)),
         "/// What the workspace of visibility holds.".to_owned(),

@@ -3,7 +3,7 @@
 use super::TooLarge;
 use crate::plan::SurfacePlan;
 use crate::plan::fields::tensor::Tensor;
-use crate::plan::fields::{Mesh, Node};
+use crate::plan::fields::{Field, Mesh, Node};
 use crate::scene::frame::Frame;
 use isolux::scene::fields::{self, NONE, SHARE};
 
@@ -17,6 +17,8 @@ pub(super) struct Fields {
     pub(super) nodes: Vec<fields::Node>,
     pub(super) shares: Vec<fields::Share>,
     pub(super) triangles: Vec<[u16; 3]>,
+    /// Values that the largest surface's reconstruction needs.
+    pub(super) room: usize,
 }
 
 impl Fields {
@@ -28,6 +30,8 @@ impl Fields {
         first_sample: usize,
     ) -> Result<(u32, u32), TooLarge> {
         let first = self.fields.len() as u32;
+        let room = planned.fields.iter().map(Field::room).sum();
+        self.room = self.room.max(room);
         for field in &planned.fields {
             let tensor = match &field.tensor {
                 Some(tensor) => self.tensor(tensor, first_sample),

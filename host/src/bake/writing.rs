@@ -50,6 +50,7 @@ impl Content {
             nodes: count(self.fields.nodes.len(), "nodes")?,
             triangles: count(self.fields.triangles.len(), "nodes")?,
             shares: count(self.fields.shares.len(), "shares")?,
+            room: count(self.fields.room, "nodes")?,
         })
     }
 

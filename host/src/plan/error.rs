@@ -95,11 +95,7 @@ impl Ladder {
     fn new(scene: &Scene, index: usize, total: &Field<'_>) -> Self {
         let surface = &scene.surfaces[index];
         let frame = Frame::new(surface);
-        let measured: Vec<[f64; 2]> = (0..MEASURED * MEASURED)
-            .map(|k| frame.cell_center(k % MEASURED, k / MEASURED, MEASURED, MEASURED))
-            .filter(|&(u, v)| frame.contains(u, v))
-            .map(|(u, v)| [u, v])
-            .collect();
+        let measured = measured(&frame, MEASURED);
         let truth = at(&frame, &measured, total);
         let mean = truth.iter().sum::<f64>() / truth.len().max(1) as f64;
         let factors = factors(scene, index, &frame);
@@ -161,6 +157,16 @@ impl Ladder {
             ..SurfacePlan::without_samples(frame)
         }
     }
+}
+
+/// Places at which a surface's reconstruction is measured: `side` x `side` over the
+/// bounding rectangle, closer towards its edges, where polynomials err most.
+pub(super) fn measured(frame: &Frame, side: usize) -> Vec<[f64; 2]> {
+    let part = |k: usize| 0.5 - 0.5 * ((k as f64 + 0.25) / (side as f64 - 0.5) * PI).cos();
+    (0..side * side)
+        .map(|k| [part(k % side) * frame.size_u, part(k / side) * frame.size_v])
+        .filter(|&[u, v]| frame.contains(u, v))
+        .collect()
 }
 
 /// What a surface's points light.

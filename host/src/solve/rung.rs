@@ -41,23 +41,23 @@ macro_rules! with_rung {
     ($rung:expr, $kernel:ident => $body:expr) => {
         match $rung {
             Rung::Libm => {
-                type $kernel = Best<HostRoot>; /*Q0*/
+                type $kernel = Libm<HostRoot>;
                 $body
             }
             Rung::Micromath => {
-                type $kernel = Best<HostRoot>; /*Q1*/
+                type $kernel = Micromath;
                 $body
             }
             Rung::Poly3 => {
-                type $kernel = Best<HostRoot>; /*Q2*/
+                type $kernel = Poly3<HostRoot>;
                 $body
             }
             Rung::Poly5 => {
-                type $kernel = Best<HostRoot>; /*Q3*/
+                type $kernel = Poly5<HostRoot>;
                 $body
             }
             Rung::Poly8 => {
-                type $kernel = Best<HostRoot>; /*Q4*/
+                type $kernel = Poly8<HostRoot>;
                 $body
             }
             Rung::Best => {

@@ -195,6 +195,7 @@ pub(super) fn check(scene: &Scene<'_>) -> Result<(), Error> {
     for (index, surface) in (0..).zip(scene.surfaces) {
         let sound = inside(surface.first_field, surface.fields, counts.fields);
         ranges(What::Surfaces, index, sound)?;
+        ranges(What::Fields, index, fields.room(surface) <= counts.room as usize)?;
     }
     for (index, field) in (0..).zip(fields.fields) {
         let there = |index: u32, count: u32| index == NONE || index < count;

@@ -121,6 +121,8 @@ pub struct Counts {
     pub triangles: u32,
     /// What samples contribute to nodes.
     pub shares: u32,
+    /// Values that the reconstruction of a surface needs room for, at the most.
+    pub room: u32,
 }
 
 impl Counts {
@@ -152,6 +154,7 @@ impl Counts {
         nodes: 0,
         triangles: 0,
         shares: 0,
+        room: 0,
     };
 }
 

@@ -3,7 +3,6 @@
 use core::mem::size_of;
 
 use isolux::luminance::{Colour as _, Luminance};
-use isolux::resample::Row;
 pub(crate) use isolux::scene::Scene;
 use isolux::{Error, budget};
 
@@ -47,16 +46,38 @@ const _: () = assert!(
 /// The state of no scene.
 pub(crate) const EMPTY: Light = Light::empty(job::LOOKING);
 
+/// Values that the reconstruction of a surface needs room for.
+pub(crate) const ROOM: usize = COUNTS.room as usize;
+
+/// Makes what the rows of a surface need, where it has fields.
+#[inline(always)]
+pub(crate) fn reconstruct(
+    light: &Light,
+    surface: usize,
+    room: &mut [Value; ROOM],
+) -> Result<(), Error> {
+    match COUNTS.fields {
+        0 => Ok(()),
+        _ => light.reconstruct::<job::Reconstruction>(surface, room).map(drop),
+    }
+}
+
 /// One row of a surface's grid.
 #[inline(always)]
 pub(crate) fn resample_row(
     light: &Light,
     surface: usize,
+    room: &[Value; ROOM],
     grid: [u32; 2],
     row: u32,
     out: &mut [Value],
-) -> Result<Row, Error> {
-    light.resample_row::<Chosen>(surface, grid, row, out)
+) -> Result<(), Error> {
+    match COUNTS.fields {
+        0 => light.resample_row::<Chosen>(surface, grid, row, out).map(drop),
+        _ => light
+            .reconstructed::<job::Reconstruction>(surface, room)?
+            .row(grid, row, out),
+    }
 }
 
 /// A value with one bit wrong.

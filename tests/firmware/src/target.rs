@@ -7,7 +7,7 @@ use semihosting::process;
 
 use crate::clock::Clock;
 use crate::job::{self, ISOLUX_TABLES, RESOLUTION};
-use crate::kernel::{self, DARK, EMPTY, Light, Scene, Value, WORDS};
+use crate::kernel::{self, DARK, EMPTY, Light, ROOM, Scene, Value, WORDS};
 use crate::meter::{Cost, Meter};
 
 /// Rounding mode, flush to zero and default NaN in FPSCR: all must be 0, or the
@@ -39,17 +39,29 @@ fn isolux_step_solve(light: &mut Light, stop: Stop) -> Solved {
     light.solve(stop)
 }
 
+/// What the rows of a surface's grid have in common.
+#[inline(never)]
+#[unsafe(no_mangle)]
+fn isolux_step_reconstruct(
+    light: &Light,
+    surface: usize,
+    room: &mut [Value; ROOM],
+) -> Result<(), Error> {
+    kernel::reconstruct(light, surface, room)
+}
+
 /// One row of a surface's grid.
 #[inline(never)]
 #[unsafe(no_mangle)]
 fn isolux_step_resample(
     light: &Light,
     surface: usize,
+    room: &[Value; ROOM],
     row: u32,
     out: &mut [Value; RESOLUTION],
-) -> Result<isolux::resample::Row, Error> {
+) -> Result<(), Error> {
     let grid = [RESOLUTION as u32; 2];
-    kernel::resample_row(light, surface, grid, row, out)
+    kernel::resample_row(light, surface, room, grid, row, out)
 }
 
 #[cortex_m_rt::entry]
@@ -98,6 +110,9 @@ fn run() -> Result<(), Failure> {
     let Some(row) = singleton!(: [Value; RESOLUTION] = [DARK; RESOLUTION]) else {
         return Err(twice);
     };
+    let Some(room) = singleton!(: [Value; ROOM] = [DARK; ROOM]) else {
+        return Err(twice);
+    };
     let clock = Clock::start(peripherals.SYST);
     let (timer, systick) = clock.cross_check();
     defmt::info!("cross-check timer {=u64} systick {=u64}", timer, systick);
@@ -125,8 +140,12 @@ fn run() -> Result<(), Failure> {
         if light.scene().surface(surface)?.samples == 0 {
             continue;
         }
+        let (done, cost) = meter.measure(|| isolux_step_reconstruct(light, surface, room));
+        done?;
+        total.and_then(cost);
         for number in 0..RESOLUTION as u32 {
-            let (done, cost) = meter.measure(|| isolux_step_resample(light, surface, number, row));
+            let (done, cost) =
+                meter.measure(|| isolux_step_resample(light, surface, room, number, row));
             done?;
             total.and_then(cost);
             if wrong_bit && let Some(value) = row.last_mut() {

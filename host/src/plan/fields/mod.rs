@@ -6,6 +6,7 @@
 
 pub mod shares;
 pub mod spline;
+pub mod split;
 pub mod tensor;
 
 use tensor::Tensor;
@@ -18,6 +19,19 @@ pub struct Field {
     /// Values on triangles; where there is a tensor as well, the fraction of its
     /// value that is seen.
     pub mesh: Option<Mesh>,
+}
+
+impl Field {
+    /// Values that its reconstruction needs room for, as
+    /// [`isolux::scene::fields::Fields::room`] has it.
+    pub fn room(&self) -> usize {
+        let grid = self.tensor.as_ref().map_or(0, |tensor| tensor.samples() + 1);
+        let of_mesh = |mesh: &Mesh| match self.tensor {
+            Some(_) => mesh.samples + mesh.nodes.len(),
+            None => mesh.nodes.len(),
+        };
+        grid + self.mesh.as_ref().map_or(0, of_mesh)
+    }
 }
 
 /// Triangles with linear values.

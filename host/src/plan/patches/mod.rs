@@ -58,7 +58,7 @@ const DIRECT: [usize; 3] = [4, 3, 2];
 const REFLECTED: usize = 2;
 
 /// Samples for display that a patch is told its radiosity by, about.
-const SAMPLES_A_PATCH: usize = 4;
+const SAMPLES_A_PATCH: usize = 3;
 
 /// A room with fewer patches than this is better off with more of them than
 /// with more places on each.

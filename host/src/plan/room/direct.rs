@@ -2,11 +2,12 @@
 //! where shadows fall a mesh of the fraction that does.
 
 use super::super::fields::tensor::{Nodes, Tensor};
+use super::super::fields::split::{Found, split};
 use super::super::fields::{Mesh, Node, spline};
 use super::super::shadow::{self, Floor, Mesh as Outlined, Options, ShadowMap, Tag};
 use super::Known;
 use super::ladder::{Step, counted};
-use super::reflected::{in_space, looked_at, sums};
+use super::reflected::{in_space, is_cut, nodes, sums};
 use crate::scene::Scene;
 use std::collections::BTreeSet;
 
@@ -17,7 +18,11 @@ const COUNTS: std::ops::RangeInclusive<usize> = 1..=8;
 const MEASURED: usize = 20;
 
 /// Edges of the shadows' mesh along the side of a square surface.
-const EDGES: f64 = 24.0;
+const EDGES: f64 = 16.0;
+
+/// Linear values between nodes may err by this part of all light there; edges are
+/// not split below this part of the surface's size; and so many nodes are the most.
+const FINE: (f64, f64, usize) = (0.01, 1.0 / 200.0, 1000);
 
 /// The most samples in the penumbras of one surface.
 const MOST: usize = 120;
@@ -31,6 +36,7 @@ pub(super) struct Direct {
 
 /// The shadows on a surface.
 struct Shadows {
+    floor: Floor,
     steps: Vec<Step>,
     places: Vec<[f64; 2]>,
     triangles: Vec<[usize; 3]>,
@@ -214,7 +220,33 @@ impl Shadows {
                 *free = Some(0.0);
             }
         }
-        let (inside, areas) = looked_at(&places, &triangles);
+        let look = |places: &[[f64; 2]]| -> Vec<Found> {
+            let places = in_space(floor, places);
+            let seen = sums(&(known.direct)(&places));
+            let whole = sums(&(known.unshadowed)(&places));
+            let reflected = sums(&(known.reflected)(&places));
+            let found = (0..places.len()).map(|k| Found {
+                value: if whole[k] > 0.0 { seen[k] / whole[k] } else { 0.0 },
+                counts: whole[k] / (seen[k] + reflected[k]).max(f64::MIN_POSITIVE),
+            });
+            found.collect()
+        };
+        let (tolerance, shortest, most) = FINE;
+        let shortest = shortest * (floor.frame.size_u * floor.frame.size_v).sqrt();
+        let split = split(places, triangles, &look, (tolerance, shortest, most));
+        let (inside, areas) = (split.inside(), split.areas());
+        // In the middle of an edge whose ends see all, or nothing, the same is seen: it
+        // lies along an outline.
+        for (ends, place) in split.ends.iter().zip(&inside).skip(free.len()) {
+            let of_ends = ends.map(|ends| ends.map(|k| free[k]));
+            let same = match of_ends {
+                Some([Some(a), Some(b)]) if a == b => Some(a),
+                _ => None,
+            };
+            let there = |value: &f64| (look(&[*place])[0].value - value).abs() < 1e-6;
+            free.push(same.filter(there));
+        }
+        let (places, triangles) = (split.places, split.triangles);
         let receivers = in_space(floor, &inside);
         let seen = sums(&(known.direct)(&receivers));
         let whole = sums(&(known.unshadowed)(&receivers));
@@ -232,8 +264,9 @@ impl Shadows {
             areas,
         };
         let mut shadows = Self {
+            floor: floor.clone(),
             steps: Vec::new(),
-            places,
+            places: nodes(floor, &places),
             triangles,
             inside,
             free,
@@ -288,7 +321,7 @@ impl Shadows {
         let from = self.from(&self.order);
         let places: Vec<[f64; 2]> = from.iter().map(|&k| self.inside[k]).collect();
         for &k in unknown {
-            let weights = spline::weights(&places, self.inside[k]);
+            let weights = self.weights(&places, k);
             let value: f64 = weights
                 .iter()
                 .map(|&(i, weight)| weight * self.free[from[i]].unwrap_or(fractions[from[i]]))
@@ -296,6 +329,17 @@ impl Shadows {
             values[k] = value.clamp(0.0, 1.0);
         }
         values
+    }
+
+    /// The weights of places in the value of a node, from which they are not cut off
+    /// by the foot of something.
+    fn weights(&self, places: &[[f64; 2]], node: usize) -> Vec<(usize, f64)> {
+        let at = self.inside[node];
+        let sides = (0..places.len()).filter(|&i| !is_cut(&self.floor, places[i], at));
+        let near: Vec<usize> = sides.collect();
+        let those: Vec<[f64; 2]> = near.iter().map(|&i| places[i]).collect();
+        let weights = spline::weights(&those, at).into_iter();
+        weights.map(|(i, weight)| (near[i], weight)).collect()
     }
 
     /// What values are made of: samples, and nodes that are known beforehand.
@@ -316,7 +360,7 @@ impl Shadows {
                 shares: Vec::new(),
             };
             if self.free[k].is_none() {
-                for (i, weight) in spline::weights(&places, self.inside[k]) {
+                for (i, weight) in self.weights(&places, k) {
                     match self.free[from[i]] {
                         Some(value) => node.constant += weight * value,
                         None => node.shares.push((i, weight)),

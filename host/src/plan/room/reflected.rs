@@ -1,18 +1,20 @@
 //! Reflected light on a surface: a mesh, and samples in the order in which they tell
 //! most.
 
+use super::super::fields::split::{Found, split};
 use super::super::fields::{Mesh, Node, shares};
 use super::super::shadow::{Floor, Lines, Mesh as Outlined, Options};
 use super::Known;
 use super::ladder::Step;
+use crate::scene::polygon::point_to_segment;
 use glam::{DVec2, DVec3};
 
 /// Edges of the mesh along the longer side of a square surface.
-const EDGES: f64 = 16.0;
+const EDGES: f64 = 8.0;
 
-/// How far towards the middle of its triangles a node is looked at: what lies
-/// exactly in the plane of an adjoining surface gets nothing from it.
-pub(super) const INSET: f64 = 0.03;
+/// Linear values between nodes may err by this part of all light there; edges are
+/// not split below this part of the surface's size; and so many nodes are the most.
+const FINE: (f64, f64, usize) = (0.01, 1.0 / 128.0, 500);
 
 /// The most samples of one surface.
 const MOST: usize = 200;
@@ -33,31 +35,38 @@ pub(super) struct Reflected {
     order: Vec<usize>,
 }
 
-/// Where the vertices of a mesh are looked at, and the area each stands for: a third
-/// of its triangles'.
-pub(super) fn looked_at(
-    vertices: &[[f64; 2]],
-    triangles: &[[usize; 3]],
-) -> (Vec<[f64; 2]>, Vec<f64>) {
-    let mut middles = vec![(DVec2::ZERO, 0.0); vertices.len()];
-    let mut areas = vec![0.0; vertices.len()];
-    for triangle in triangles {
-        let [a, b, c] = triangle.map(|vertex| DVec2::from(vertices[vertex]));
-        let area = 0.5 * (b - a).perp_dot(c - a).abs();
-        for &vertex in triangle {
-            middles[vertex].0 += (a + b + c) / 3.0;
-            middles[vertex].1 += 1.0;
-            areas[vertex] += area / 3.0;
+/// Where the nodes of the tables go: as the vertices, but those on the surface's own
+/// outline a little beyond it, so that what is rounded, and the places on the outline
+/// itself, are inside of triangles.
+pub(super) fn nodes(floor: &Floor, vertices: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let frame = &floor.frame;
+    let size = DVec2::new(frame.size_u, frame.size_v);
+    let beyond = 4.0 * size.max_element() / f64::from(u16::MAX);
+    let corners: Vec<DVec2> = frame.vertices.iter().map(|&corner| corner.into()).collect();
+    let sides = (0..corners.len()).map(|i| [corners[i], corners[(i + 1) % corners.len()]]);
+    let sides: Vec<[DVec2; 2]> = sides.collect();
+    let node = |&vertex: &[f64; 2]| {
+        let at = DVec2::from(vertex);
+        let mut moved = at;
+        for &[a, b] in &sides {
+            if point_to_segment(at, a, b) <= 1e-7 * size.max_element() {
+                // The outline runs counter-clockwise.
+                moved -= beyond * (b - a).perp().normalize_or_zero();
+            }
         }
-    }
-    let inside = vertices.iter().zip(middles).map(|(&vertex, (sum, count))| {
-        let vertex = DVec2::from(vertex);
-        match count > 0.0 {
-            true => vertex.lerp(sum / count, INSET).into(),
-            false => vertex.into(),
-        }
-    });
-    (inside.collect(), areas)
+        moved.clamp(DVec2::ZERO, size).into()
+    };
+    vertices.iter().map(node).collect()
+}
+
+/// Whether the way between two places of a surface crosses the foot of something.
+pub(super) fn is_cut(floor: &Floor, from: [f64; 2], to: [f64; 2]) -> bool {
+    let (from, to) = (DVec2::from(from), DVec2::from(to));
+    floor.contacts.iter().any(|line| {
+        let [a, b] = line.ends.map(DVec2::from);
+        let side = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p);
+        side(a, b, from) * side(a, b, to) < 0.0 && side(from, to, a) * side(from, to, b) < 0.0
+    })
 }
 
 /// Places of a surface in space, with its normal.
@@ -85,7 +94,20 @@ impl Reflected {
             triangles,
             ..
         } = Outlined::of(floor, &[], &options);
-        let (inside, areas) = looked_at(&vertices, &triangles);
+        let look = |places: &[[f64; 2]]| -> Vec<Found> {
+            let places = in_space(floor, places);
+            let reflected = sums(&(known.reflected)(&places));
+            let direct = sums(&(known.direct)(&places));
+            let found = reflected.iter().zip(direct).map(|(&value, direct)| Found {
+                value,
+                counts: 1.0 / (value + direct).max(f64::MIN_POSITIVE),
+            });
+            found.collect()
+        };
+        let (tolerance, shortest, most) = FINE;
+        let shortest = shortest * area.sqrt();
+        let split = split(vertices, triangles, &look, (tolerance, shortest, most));
+        let (inside, areas) = (split.inside(), split.areas());
         let places = in_space(floor, &inside);
         let parts = (known.reflected)(&places);
         let direct = sums(&(known.direct)(&places));
@@ -118,8 +140,8 @@ impl Reflected {
         });
         Some(Self {
             steps: steps.collect(),
-            nodes: vertices,
-            triangles,
+            nodes: nodes(floor, &split.places),
+            triangles: split.triangles,
             inside,
             rows,
             order: found.into_iter().map(|(node, _)| node).collect(),
