@@ -24,7 +24,7 @@ fn each(mut look: impl FnMut(&Scene, ShadowMap, &str)) {
 }
 
 /// V by the kernel in double precision, from the vertices rounded to single.
-fn by_the_kernel(lit: &Lit, map: &ShadowMap, at: DVec2) -> Option<f64> {
+pub(crate) fn by_the_kernel(lit: &Lit, map: &ShadowMap, at: DVec2) -> Option<f64> {
     let frame = &map.floor.frame;
     let receiver = lit::receiver::<f64>(frame.to_world(at.x, at.y), frame.normal);
     let [(_, emitter)] = &lit.emitters[..] else {
@@ -87,7 +87,7 @@ fn free_values_are_what_the_kernel_sees() {
 }
 
 /// The distance to the outline of the surface and to contact lines.
-fn clearance(map: &ShadowMap, at: DVec2) -> f64 {
+pub(crate) fn clearance(map: &ShadowMap, at: DVec2) -> f64 {
     let corners = &map.floor.frame.vertices;
     let count = corners.len();
     let sides = (0..count).map(|i| [corners[i], corners[(i + 1) % count]].map(DVec2::from));

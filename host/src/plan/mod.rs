@@ -4,8 +4,9 @@
 //! receives is known from the reference; its isolux outlines become the
 //! polygons that shoot reflected light, and their vertices, with the peak, are
 //! the samples. In a room, where light goes to and fro, [`patches`] with linear
-//! radiosity do the same with a tenth of the emitters. A planned scene is data:
-//! [`crate::bake`] turns it into tables.
+//! radiosity do the same with a tenth of the emitters. Where shadows begin and
+//! end on a surface, [`shadow`] knows. A planned scene is data: [`crate::bake`]
+//! turns it into tables.
 
 mod error;
 pub mod fields;

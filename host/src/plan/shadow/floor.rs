@@ -24,6 +24,7 @@ pub struct Floor {
     /// Lines within it on which something touches it, the outlines of the
     /// covers among them: light jumps there, or a body stands in the way.
     pub contacts: Vec<Line>,
+    outline: Ring,
 }
 
 impl Floor {
@@ -36,6 +37,7 @@ impl Floor {
         let mut floor = Self {
             covers: flush(scene, receiver, &frame),
             contacts: Vec::new(),
+            outline: frame.vertices.iter().map(|&(u, v)| [u, v]).collect(),
             frame,
         };
         let mut outlines = floor.covers.clone();
@@ -76,8 +78,7 @@ impl Floor {
 
     /// Whether a place is on the surface and nothing covers it.
     pub(super) fn is_exposed(&self, place: DVec2) -> bool {
-        let outline: Ring = self.frame.vertices.iter().map(|&(u, v)| [u, v]).collect();
-        encloses(&outline, place) && !self.covers.iter().any(|cover| encloses(cover, place))
+        encloses(&self.outline, place) && !self.covers.iter().any(|cover| encloses(cover, place))
     }
 
     /// The length below which places are one place.
