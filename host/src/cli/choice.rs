@@ -20,8 +20,8 @@ pub(super) struct RungArguments {
     /// vertex-rays, none (light passes through everything).
     #[arg(long, value_name = "RUNG")]
     visibility: Option<String>,
-    /// What shoots reflected light: isolux (the default of open scenes), linear
-    /// (of rooms).
+    /// What shoots reflected light: isolux (the default of open scenes), layer-cake
+    /// (nested outlines; the power is conserved), linear (the default of rooms).
     #[arg(long, value_name = "RUNG")]
     emitters: Option<String>,
     /// How emitter-to-receiver terms are had: exact (the default), codes (written
@@ -52,7 +52,7 @@ const BUILT: [(&str, &[&str]); 6] = [
         ],
     ),
     ("visibility", &["none", "vertex-rays", "exact"]),
-    ("emitters", &["isolux", "linear"]),
+    ("emitters", &["isolux", "layer-cake", "linear"]),
     ("transfer", &["exact", "codes"]),
     ("placement", &["isolux"]),
     ("reconstruction", &["cone"]),
@@ -63,6 +63,8 @@ const BUILT: [(&str, &[&str]); 6] = [
 pub(super) enum Emitters {
     /// The paper's: bands between isolux outlines.
     Isolux,
+    /// What each isolux outline encloses.
+    LayerCake,
     /// Patches with linear radiosity.
     Linear,
 }
@@ -72,6 +74,7 @@ impl Emitters {
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Isolux => "isolux",
+            Self::LayerCake => "layer-cake",
             Self::Linear => "linear",
         }
     }
@@ -152,6 +155,7 @@ pub(super) fn choices(
         },
         emitters: match rungs.emitters.as_deref() {
             Some("linear") => Emitters::Linear,
+            Some("layer-cake") => Emitters::LayerCake,
             Some(_) => Emitters::Isolux,
             None if is_room || transfer == Transfer::Codes => Emitters::Linear,
             None => Emitters::Isolux,
@@ -188,6 +192,9 @@ fn integers_suffice(choices: &Choices, needs: &Requirements) -> Result<(), Failu
     } else if choices.emitters == Emitters::Linear {
         let remedy = "leave out --arithmetic, or take --emitters isolux";
         ("has linear radiosities", remedy)
+    } else if choices.emitters == Emitters::LayerCake {
+        let remedy = "leave out --arithmetic, or take --emitters isolux";
+        ("has increments of radiosity", remedy)
     } else {
         return Ok(());
     };

@@ -56,29 +56,24 @@ pub(super) fn plan(
 ) -> Result<Planned, Failure> {
     let needs = requirements(&scene);
     let choices = choice::choices(rungs, &scene, &needs)?;
-    let plan = match choices.emitters {
-        Emitters::Isolux => {
-            // The samples follow the light after one reflection: it has the
-            // shape of all of it.
-            let once = judge(&scene, Reflections::AtMost(1))?;
-            let progress = Progress::start("planning", 0);
-            let field = |places: &[(DVec3, DVec3)]| once.irradiance_at(places);
-            let plan = plan::isolux(&scene, &scene.budget, &field);
-            progress.finish();
-            plan
-        }
-        Emitters::Linear => {
-            let direct = judge(&scene, Reflections::AtMost(0))?;
-            let progress = Progress::start("planning", 0);
-            let mean = |[r, g, b]: [f64; 3]| (r + g + b) / 3.0;
-            let field = |places: &[(DVec3, DVec3)]| -> Vec<f64> {
-                direct.light_at(places).into_iter().map(mean).collect()
-            };
-            let plan = plan::patches::linear(&scene, &scene.budget, &field);
-            progress.finish();
-            plan
-        }
+    // What the samples follow: the light after one reflection has the shape of all
+    // of it; the patches' own rule asks for direct light.
+    let followed = match choices.emitters {
+        Emitters::Isolux | Emitters::LayerCake => 1,
+        Emitters::Linear => 0,
     };
+    let light = judge(&scene, Reflections::AtMost(followed))?;
+    let progress = Progress::start("planning", 0);
+    let mean = |[r, g, b]: [f64; 3]| (r + g + b) / 3.0;
+    let field = |places: &[(DVec3, DVec3)]| -> Vec<f64> {
+        light.light_at(places).into_iter().map(mean).collect()
+    };
+    let plan = match choices.emitters {
+        Emitters::Isolux => plan::isolux(&scene, &scene.budget, &field),
+        Emitters::LayerCake => plan::layer_cake(&scene, &scene.budget, &field),
+        Emitters::Linear => plan::patches::linear(&scene, &scene.budget, &field),
+    };
+    progress.finish();
     let plan =
         plan.map_err(|error| Failure::limit(error, "change [budget] samples in the scene"))?;
     let occlusion = match choices.sight {
