@@ -19,15 +19,15 @@ pub(super) struct RungArguments {
     /// How occlusion is found: exact (the default where something can occlude),
     /// vertex-rays, none (light passes through everything).
     #[arg(long, value_name = "RUNG")]
-    visibility: Option<String>,
+    pub(super) visibility: Option<String>,
     /// What shoots reflected light: isolux (the default of open scenes), layer-cake
     /// (nested outlines; the power is conserved), linear (the default of rooms).
     #[arg(long, value_name = "RUNG")]
-    emitters: Option<String>,
+    pub(super) emitters: Option<String>,
     /// How emitter-to-receiver terms are had: exact (the default), codes (written
     /// beforehand: no occluder is on the device).
     #[arg(long, value_name = "RUNG")]
-    transfer: Option<String>,
+    pub(super) transfer: Option<String>,
     /// How samples are placed: isolux.
     #[arg(long, value_name = "RUNG")]
     placement: Option<String>,
@@ -87,6 +87,16 @@ pub(super) enum Transfer {
     Exact,
     /// By codes that were written when the scene was baked.
     Codes,
+}
+
+impl Transfer {
+    /// Its name on the ladder.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::Codes => "codes",
+        }
+    }
 }
 
 /// The rungs that a scene is solved with.

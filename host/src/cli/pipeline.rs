@@ -4,6 +4,7 @@ use super::choice::{self, Emitters, RungArguments, Transfer};
 use super::failure::Failure;
 use crate::bake::{self, Tables};
 use crate::occlusion::Occlusion;
+use crate::pilot;
 use crate::plan::{self, Plan};
 use crate::reference::{self, Reference, Reflections};
 use crate::report::Progress;
@@ -43,6 +44,7 @@ pub(super) struct Planned {
     pub(super) rung: FormFactorRung,
     pub(super) sight: Sight,
     pub(super) emitters: Emitters,
+    pub(super) transfer: Transfer,
     pub(super) plan: Plan,
     pub(super) tables: Tables,
 }
@@ -56,6 +58,13 @@ pub(super) fn plan(
 ) -> Result<Planned, Failure> {
     let needs = requirements(&scene);
     let choices = choice::choices(rungs, &scene, &needs)?;
+    let occlusion = match choices.sight {
+        Sight::None => None,
+        Sight::VertexRays | Sight::Exact => Some(
+            Occlusion::for_receivers_within(&scene, reach(&scene, places))
+                .map_err(|error| Failure::limit(error, "split the scene"))?,
+        ),
+    };
     // What the samples follow: the light after one reflection has the shape of all
     // of it; the patches' own rule asks for direct light.
     let followed = match choices.emitters {
@@ -71,18 +80,14 @@ pub(super) fn plan(
     let plan = match choices.emitters {
         Emitters::Isolux => plan::isolux(&scene, &scene.budget, &field),
         Emitters::LayerCake => plan::layer_cake(&scene, &scene.budget, &field),
-        Emitters::Linear => plan::patches::linear(&scene, &scene.budget, &field),
+        Emitters::Linear => {
+            let looking = (occlusion.as_ref(), choices.sight);
+            pilot::linear(&scene, &scene.budget, looking, &field)
+        }
     };
     progress.finish();
     let plan =
         plan.map_err(|error| Failure::limit(error, "change [budget] samples in the scene"))?;
-    let occlusion = match choices.sight {
-        Sight::None => None,
-        Sight::VertexRays | Sight::Exact => Some(
-            Occlusion::for_receivers_within(&scene, reach(&scene, places))
-                .map_err(|error| Failure::limit(error, "split the scene"))?,
-        ),
-    };
     let remedy = "lower [budget] samples or split the scene";
     let tables = if choices.arithmetic.is_integer() {
         bake::integers::bake(&scene, &plan).map_err(|error| Failure::limit(error, remedy))?
@@ -98,6 +103,7 @@ pub(super) fn plan(
         rung: choices.arithmetic,
         sight: choices.sight,
         emitters: choices.emitters,
+        transfer: choices.transfer,
         plan,
         tables,
     };

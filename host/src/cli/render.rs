@@ -309,7 +309,7 @@ fn rendered<'a>(judged: &'a Judged<'a>, bounces: Option<u32>, files: Vec<String>
             arithmetic: judged.planned.rung.name(),
             visibility: judged.planned.sight.name(),
             emitters: judged.planned.emitters.name(),
-            transfer: "exact",
+            transfer: judged.planned.transfer.name(),
             placement: "isolux",
             reconstruction: "cone",
         },
