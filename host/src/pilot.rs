@@ -30,8 +30,10 @@ pub fn linear(
     (occlusion, sight): (Option<&Occlusion>, Sight),
     direct: &Field<'_>,
 ) -> Result<Plan, Unplannable> {
-    let first = plan::patches::first(scene, direct)?;
     let plain = || plan::patches::linear(scene, budget, direct);
+    let Ok(first) = plan::patches::first(scene, direct) else {
+        return plain();
+    };
     let Ok(tables) = bake::bake(scene, &first, occlusion.cloned()) else {
         return plain();
     };

@@ -3,7 +3,13 @@
 use crate::fixtures::{scene, surface};
 use crate::{Place, single};
 use glam::DVec3;
-use isolux::shoot::Stop;
+use isolux::Error;
+use isolux::error::What;
+use isolux::form_factor::Best;
+use isolux::luminance::{Constant, Increment};
+use isolux::scene::Scene as Loaded;
+use isolux::shoot::{Light, Stop};
+use isolux_host::bake::Tables;
 use isolux_host::plan::{self, Plan, SurfacePlan};
 use isolux_host::reference::{Reference, Reflections};
 use isolux_host::scene::{Scene, file, shipped};
@@ -120,6 +126,31 @@ fn light_of_layers_arrives() {
     println!("missing {missing:+.1e} of what was shot; B: rms {rms:.1e}");
     assert!(missing.abs() < 2e-3, "{missing:e}");
     assert!(rms < 3e-3, "{rms:e}");
+}
+
+/// Tables of layers are for increments alone, and no other tables are for them.
+#[test]
+fn layers_are_taken_by_increments_alone() {
+    type Of<'t, L> = Light<'t, Best, 64, 16, L>;
+    let (scene, plan, once) = layered();
+    let field = |places: &[Place]| once.irradiance_at(places);
+    let bands = plan::isolux(&scene, &scene.budget, &field).expect("a plan");
+    let [layers, bands] = [&plan, &bands].map(|plan| bake::bake(&scene, plan, None));
+    let [layers, bands] = [layers, bands].map(|tables| tables.expect("tables"));
+    let loaded = |tables: &'_ Tables| Loaded::load(tables.bytes()).map(|s| s.counts().weights);
+    let weights = loaded(&layers).expect("sound tables");
+    assert!(weights > 0 && loaded(&bands) == Ok(0));
+    let of_layers = Loaded::load(layers.bytes()).expect("sound tables");
+    let of_bands = Loaded::load(bands.bytes()).expect("sound tables");
+    assert!(Of::<Increment<f32>>::new(of_layers).is_ok());
+    assert!(Of::<Constant<f32>>::new(of_bands).is_ok());
+    let refused = |error: Option<Error>, needed, have| {
+        let what = What::Weights;
+        assert_eq!(error, Some(Error::Capacity { what, needed, have }));
+    };
+    refused(Of::<Constant<f32>>::new(of_layers).err(), weights, 0);
+    let members = of_bands.counts().members;
+    refused(Of::<Increment<f32>>::new(of_bands).err(), 0, members);
 }
 
 /// Where light is even there is one layer, the surface itself: what it sends has

@@ -138,7 +138,7 @@ fn all_light_is_that_of_the_references() {
 #[test]
 fn a_plan_serves_when_luminaires_are_switched() {
     let (mut file, _) = read(OFFICE).planned(None);
-    let occlusion = || Occlusion::of(&file.scene).expect("few vertices");
+    let occlusion = Occlusion::of(&file.scene).expect("few vertices");
     file.scene.budget.samples = Some(800);
     let plan = followed(&file.scene);
     let surfaces = file.scene.surfaces.clone();
@@ -148,9 +148,9 @@ fn a_plan_serves_when_luminaires_are_switched() {
         file.scene.surfaces[index].radiance = [0.0; 3];
     }
     assert!(file.scene.surfaces[kept].emits());
-    let tables = bake::bake(&file.scene, &plan, Some(occlusion())).expect("tables");
+    let tables = bake::bake(&file.scene, &plan, Some(occlusion.clone())).expect("tables");
     file.scene.budget.samples = None;
-    let finer = bake::bake(&file.scene, &followed(&file.scene), Some(occlusion()));
+    let finer = bake::bake(&file.scene, &followed(&file.scene), Some(occlusion));
     let finer = finer.expect("tables");
     let answers = [&tables, &finer].map(|tables| {
         let solution = solve::solve(tables, Rung::Best, Sight::Exact, Stop::below(1e-3));

@@ -10,7 +10,7 @@ use crate::picture::{TradeMark, TradePanel, trade_off};
 use crate::reference::Reflections;
 use crate::report::{Progress, write_file};
 use crate::solve::FormFactorRung;
-use crate::trade::room::{self, InRoom};
+use crate::trade::room::InRoom;
 use crate::trade::scene::{InScene, Judged};
 use crate::trade::{self, FormFactors, table};
 use clap::Args;
@@ -36,6 +36,9 @@ pub(super) struct Arguments {
     /// where rungs of arithmetic are measured, else until 0.1 % is unshot.
     #[arg(long, value_name = "N", requires = "scene")]
     bounces: Option<u32>,
+    /// Only the rungs of visibility, emitters and transfer in the scene.
+    #[arg(long, requires = "scene")]
+    without_arithmetic: bool,
     #[command(flatten)]
     rungs: RungArguments,
 }
@@ -77,6 +80,9 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     };
     make(&arguments.output)?;
     let step = |name: &str| Progress::start(name, 0).finish();
+    if let (true, Some(planned)) = (arguments.without_arithmetic, &planned) {
+        return rooms::run(arguments, &planned.scene, json, step);
+    }
     let (rows, missing) = trade::form_factors(step).map_err(|error| Failure::limit(error, ""))?;
     let missing = missing.map(|error| error.to_string());
     if let Some(missing) = &missing {
@@ -149,11 +155,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
                 "\n{name}: irradiance, percent of full scale, light reflected at most {times} times"
             )?;
             writeln!(out, "{}", table::scene_terminal(rungs))?;
-            writeln!(
-                out,
-                "\n{name}: irradiance by rungs of visibility, emitters and transfer, relative error"
-            )?;
-            writeln!(out, "{}", room::terminal(room))?;
+            write!(out, "\n{}", rooms::in_words(name, room))?;
         }
         for file in &files {
             writeln!(out, "wrote {file}")?;
@@ -179,12 +181,13 @@ fn write(
     if let Some(scene) = scene {
         let text = table::scene_csv(&scene.name, scene.reflections, &scene.rungs);
         files.push(("trade-scene.csv", text.into_bytes()));
-        let text = room::csv(&scene.name, &scene.room);
-        files.push(("trade-room.csv", text.into_bytes()));
-        let picture = rooms::plot(&scene.name, &scene.room).and_then(|picture| picture.png());
-        let picture = picture.map_err(|error| Failure::limit(error, ""))?;
-        files.push(("trade-room.png", picture));
+        files.extend(rooms::files(&scene.name, &scene.room)?);
     }
+    written(arguments, files)
+}
+
+/// Writes files into the directory and gives their paths.
+fn written(arguments: &Arguments, files: Vec<(&str, Vec<u8>)>) -> Result<Vec<String>, Failure> {
     let mut written = Vec::new();
     for (name, bytes) in files {
         let path = arguments.output.join(name);

@@ -8,6 +8,62 @@ use crate::picture::{Picture, PictureError, TradeMark, TradePanel, trade_off};
 use crate::scene::Scene;
 use crate::scene::requires::requirements;
 use crate::trade::room::{self, Baked, Choice, Field, InRoom};
+use serde::Serialize;
+use std::io::Write;
+
+/// Everything of a scene that is not arithmetic.
+#[derive(Serialize)]
+struct Traded<'a> {
+    scene: &'a str,
+    room: &'a [InRoom],
+    files: &'a [String],
+}
+
+/// Measures every combination in a scene and writes it down.
+pub(super) fn run(
+    arguments: &super::Arguments,
+    scene: &Scene,
+    json: bool,
+    step: impl Fn(&str),
+) -> Result<(), Failure> {
+    let room = measure(scene, &arguments.rungs, arguments.bounces, true, step)?;
+    let written = super::written(arguments, files(&scene.name, &room)?.into())?;
+    let mut out = std::io::stdout().lock();
+    if json {
+        let traded = Traded {
+            scene: &scene.name,
+            room: &room,
+            files: &written,
+        };
+        serde_json::to_writer(&mut out, &traded).map_err(std::io::Error::from)?;
+        writeln!(out)?;
+    } else {
+        write!(out, "{}", in_words(&scene.name, &room))?;
+        for file in &written {
+            writeln!(out, "wrote {file}")?;
+        }
+    }
+    out.flush()?;
+    Ok(())
+}
+
+/// The table for a person.
+pub(super) fn in_words(name: &str, room: &[InRoom]) -> String {
+    format!(
+        "{name}: irradiance by rungs of visibility, emitters and transfer, relative error\n{}\n",
+        room::terminal(room)
+    )
+}
+
+/// The table for programs and the plot.
+pub(super) fn files(name: &str, room: &[InRoom]) -> Result<[(&'static str, Vec<u8>); 2], Failure> {
+    let picture = plot(name, room).and_then(|picture| picture.png());
+    let picture = picture.map_err(|error| Failure::limit(error, ""))?;
+    Ok([
+        ("trade-room.csv", room::csv(name, room).into_bytes()),
+        ("trade-room.png", picture),
+    ])
+}
 
 /// Measures every combination in a scene, by all light or by what `bounces` asks
 /// for.
@@ -52,7 +108,7 @@ pub(super) fn measure(
     Ok(rows)
 }
 
-pub(super) fn plot(name: &str, rows: &[InRoom]) -> Result<Picture, PictureError> {
+fn plot(name: &str, rows: &[InRoom]) -> Result<Picture, PictureError> {
     let counted = rows.iter().all(|row| row.m4f_instructions.is_some());
     let label = |choice: &Choice| {
         let Choice {

@@ -52,6 +52,9 @@ const FIRST_PATCHES: usize = 120;
 const FIRST_A_SURFACE: usize = 12;
 const FIRST_COARSE: f64 = 0.7;
 
+/// The same as [`PLACES`] for a first plan.
+const FIRST_PLACES: [[usize; 2]; 2] = [[3, 2], [2, 2]];
+
 /// The part of the patches that is there from the start is one in so many; the
 /// others come from halving those that fit worst.
 const START: usize = 3;
@@ -65,7 +68,7 @@ const PLACES: [[usize; 2]; 4] = [[4, 3], [3, 3], [2, 3], [2, 2]];
 
 /// The same where there is no budget and all light is known: then the weights
 /// know what lies between the places.
-const KNOWN: [usize; 2] = [2, 2];
+const KNOWN: [[usize; 2]; 1] = [[2, 2]];
 
 /// What patches may miss of the radiosity where the scene sets no budget (root
 /// mean square, of what the first solution knows). In the Cornell box and in the
@@ -110,13 +113,8 @@ pub fn following(scene: &Scene, budget: &Budget, light: &Split<'_>) -> Result<Pl
 pub fn first(scene: &Scene, direct: &Field<'_>) -> Result<Plan, Unplannable> {
     let reflecting = scene.surfaces.iter().filter(|s| s.reflects()).count();
     let patches = (FIRST_A_SURFACE * reflecting).min(FIRST_PATCHES);
-    let division = Division {
-        coarse: ((patches as f64 * FIRST_COARSE) as usize).max(reflecting),
-        patches: patches.max(reflecting),
-        direct: 3,
-        reflected: 2,
-        error: 0.0,
-    };
+    let coarse = (patches as f64 * FIRST_COARSE) as usize;
+    let division = Division::at_will(patches, coarse, reflecting, &FIRST_PLACES);
     divided(scene, &division, None, Guide::Direct(direct))
 }
 
@@ -186,6 +184,25 @@ struct Division {
 }
 
 impl Division {
+    /// So many patches without a budget, with the first of these places that the
+    /// host solves.
+    fn at_will(patches: usize, coarse: usize, reflecting: usize, places: &[[usize; 2]]) -> Self {
+        let (patches, coarse) = (patches.max(reflecting), coarse.max(reflecting));
+        let samples = |[direct, reflected]: [usize; 2]| {
+            (patches * direct * direct + coarse * reflected * reflected) as u64
+        };
+        let mut rising = places.iter().copied();
+        let fitting = rising.find(|&places| samples(places) <= super::MOST_SAMPLES);
+        let [direct, reflected] = fitting.unwrap_or([2, 2]);
+        Self {
+            coarse,
+            patches,
+            direct,
+            reflected,
+            error: 0.0,
+        }
+    }
+
     fn new(reflecting: usize, budget: &Budget, guide: Guide<'_>) -> Result<Self, Unplannable> {
         let of = |patches: usize, [direct, reflected]: [usize; 2]| Self {
             coarse: ((patches as f64 * COARSE) as usize).max(reflecting),
@@ -196,12 +213,14 @@ impl Division {
         };
         let Some(allowed) = budget.samples else {
             let patches = (PATCHES_A_SURFACE * reflecting).min(DEFAULT_PATCHES);
-            return Ok(match guide {
-                Guide::Direct(_) => of(patches, PLACES[0]),
-                Guide::All(_) => Self {
-                    error: ERROR,
-                    ..of(patches, KNOWN)
-                },
+            let coarse = (patches as f64 * COARSE) as usize;
+            let (places, error) = match guide {
+                Guide::Direct(_) => (&PLACES[..], 0.0),
+                Guide::All(_) => (&KNOWN[..], ERROR),
+            };
+            return Ok(Self {
+                error,
+                ..Self::at_will(patches, coarse, reflecting, places)
             });
         };
         if allowed > super::MOST_SAMPLES {
