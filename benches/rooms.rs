@@ -93,10 +93,19 @@ fn direct() -> String {
 }
 
 fn bounces() -> String {
-    let names = ["cornell", "office"];
-    let measured = names.map(measure::bounces);
+    // With the budget of the scene, and without.
+    let rooms = ["cornell", "office"].map(|name| [(name, true), (name, false)]);
+    let measured = rooms.as_flattened().iter().copied().map(measure::bounces);
+    let measured: Vec<Bounces> = measured.collect();
+    let names = rooms
+        .as_flattened()
+        .iter()
+        .map(|&(name, within)| match within {
+            true => name.to_owned(),
+            false => format!("{name}, no budget"),
+        });
     let cells = |of: &dyn Fn(&Bounces) -> String| measured.iter().map(of).collect::<Vec<_>>();
-    let mut rows = vec![row("", names.map(str::to_owned))];
+    let mut rows = vec![row("", names)];
     let mut push = |name: &str, cells: Vec<String>| rows.push(row(name, cells));
     push("samples", cells(&|m| m.samples.to_string()));
     push("emitters", cells(&|m| m.emitters.to_string()));

@@ -271,6 +271,40 @@ fn the_paper_scene_gives_the_hosts_bits_on_every_core() {
     }
 }
 
+/// The paper's scene with nested emitters: members have weights of their own.
+#[test]
+fn layers_give_the_hosts_bits_on_every_core() {
+    const ROWS: usize = 6;
+    let mut sources = shipped::ALL.iter();
+    let (name, source) = sources
+        .find(|(name, _)| *name == "paper.toml")
+        .expect("shipped");
+    let scene = file::parse(name, source).expect("a sound scene");
+    let once = Reference::new(&scene, Reflections::AtMost(1), &mut |_| {}).expect("a reference");
+    let field = |places: &[_]| once.irradiance_at(places);
+    let plan = plan::layer_cake(&scene, &scene.budget, &field).expect("a plan");
+    let tables = bake::bake(&scene, &plan, None).expect("tables");
+    let solution = solve::solve(&tables, Rung::Best, Sight::None, STOP).expect("a solution");
+    let mut expected = solution.irradiance_bits();
+    for (index, surface) in plan.surfaces.iter().enumerate() {
+        if !surface.samples.is_empty() {
+            let grid = solution.resample(index, ROWS as u32).expect("a grid");
+            expected.extend(grid.bits);
+        }
+    }
+    let job = Job {
+        scene: &scene.name,
+        tables: tables.bytes(),
+        arithmetic: "best",
+        visibility: "none",
+        stop: STOP,
+        resolution: ROWS,
+        expected: &expected,
+        budget: scene.budget,
+    };
+    on_every_core(&job);
+}
+
 /// The Cornell box in few patches, with codes: no occluder is on the device.
 #[test]
 fn a_room_with_codes_gives_the_hosts_bits() {

@@ -128,10 +128,14 @@ pub(crate) fn direct(name: &str) -> Direct {
     }
 }
 
-/// All light in a room, and then at its published points.
-pub(crate) fn bounces(name: &str) -> Bounces {
+/// All light in a room, within its budget or without one, and then at its
+/// published points.
+pub(crate) fn bounces((name, within_budget): (&str, bool)) -> Bounces {
     let (source, text) = sources(name);
-    let scene = room::scene(name, source);
+    let mut scene = room::scene(name, source);
+    if !within_budget {
+        scene.budget.samples = None;
+    }
     let (planning, plan) = of_all(|| room::plan(&scene));
     let (baking, tables) = of_all(|| room::bake(&scene, &plan));
     let solved = || solve::solve(&tables, Rung::Best, Sight::Exact, Stop::below(0.001));

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! Rooms, ground floor first; each imports only those above it in this list:
-//! [`scene`], [`mod@reference`], [`occlusion`], [`baseline`], [`plan`], [`bake`], [`solve`],
+//! [`scene`], [`mod@reference`], [`occlusion`], [`baseline`], [`plan`], [`bake`], [`solve`], [`pilot`],
 //! [`compare`], [`report`], [`picture`], [`device`], [`trade`], [`cli`]. The kernel is a
 //! library to all of them but the reference, which shares no formula with what
 //! it judges.
@@ -21,6 +21,7 @@ pub mod compare;
 pub mod device;
 pub mod occlusion;
 pub mod picture;
+pub mod pilot;
 pub mod plan;
 pub mod reference;
 pub mod report;

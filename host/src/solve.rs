@@ -17,7 +17,7 @@ use isolux::form_factor::Arithmetic;
 use isolux::form_factor::fixed_point::{Q24, Q29};
 use isolux::form_factor::{Best, Libm, Micromath, Poly3, Poly5, Poly8};
 use isolux::geometry::Receiver;
-use isolux::luminance::{Colour, Constant, Linear, Luminance, Rgb};
+use isolux::luminance::{Colour, Constant, Increment, Linear, Luminance, Rgb};
 use isolux::resample::{Reconstructed, Stencils};
 use isolux::scene::Scene;
 use isolux::shoot::{Light, Solved, Stop};
@@ -275,10 +275,12 @@ where
         Ok(Box::new(Kept::new(light)))
     }
     let counts = scene.counts();
-    match (counts.channels, counts.coefficients) {
-        (1, 1) => of::<A, Constant<f32>>(scene, sight),
-        (1, _) => of::<A, Linear<f32>>(scene, sight),
-        (_, 1) => of::<A, Constant<Rgb>>(scene, sight),
+    match (counts.channels, counts.coefficients, counts.weights) {
+        (1, 1, 0) => of::<A, Constant<f32>>(scene, sight),
+        (1, 1, _) => of::<A, Increment<f32>>(scene, sight),
+        (1, ..) => of::<A, Linear<f32>>(scene, sight),
+        (_, 1, 0) => of::<A, Constant<Rgb>>(scene, sight),
+        (_, 1, _) => of::<A, Increment<Rgb>>(scene, sight),
         _ => of::<A, Linear<Rgb>>(scene, sight),
     }
 }

@@ -88,7 +88,7 @@ where
     ///
     /// # Errors
     /// [`Error::Capacity`] where the scene has more samples or emitters than
-    /// the type holds, or other channels or coefficients; and what
+    /// the type holds, or other channels, coefficients or weights; and what
     /// [`Transfer::fits`] says.
     pub fn new(scene: Scene<'t>) -> Result<Self, Error>
     where
@@ -139,9 +139,15 @@ where
             }
         }
         let (channels, coefficients) = (L::Colour::CHANNELS as u32, L::COEFFICIENTS as u32);
+        let weights = if L::WEIGHTED {
+            counts.members.saturating_mul(coefficients)
+        } else {
+            0
+        };
         for (what, needed, have) in [
             (What::Channels, counts.channels, channels),
             (What::Coefficients, counts.coefficients, coefficients),
+            (What::Weights, counts.weights, weights),
         ] {
             if needed != have {
                 return Err(Error::Capacity { what, needed, have });
@@ -208,7 +214,7 @@ where
                 .emitters
                 .get(index)
                 .map_or(L::DARK, |emitter| emitter.pending);
-            if pending.mean().total() > 0.0 {
+            if L::strength(pending.mean()) > 0.0 {
                 self.send(index, pending);
                 shots = shots.saturating_add(1);
             }

@@ -154,9 +154,9 @@ fn what_this_build_lacks_exits_one_from_all_but_check() {
             "error",
         ),
         (
-            "layers.toml",
-            shaded() + "[rungs]\nemitters = \"layer-cake\"\n",
-            "layer-cake",
+            "points.toml",
+            shaded() + "[rungs]\nemitters = \"points\"\n",
+            "points",
         ),
         (
             "tensor.toml",
@@ -194,7 +194,7 @@ fn rungs_on_the_command_line() {
     let directory = tempfile::tempdir().expect("a directory");
     write(directory.path(), "desk.toml", &desk());
     let ladders = [
-        ("--emitters", "layer-cake"),
+        ("--emitters", "points"),
         ("--transfer", "matrix"),
         ("--placement", "error"),
         ("--reconstruction", "tensor"),

@@ -133,6 +133,24 @@ fn shipped_rooms_answer_their_named_points() {
 }
 
 #[test]
+fn what_was_chosen_is_said() {
+    let directory = tempfile::tempdir().expect("a directory");
+    write(directory.path(), "desk.toml", &desk());
+    for (transfer, emitters) in [
+        ("codes", "linear"),
+        ("exact", "layer-cake"),
+        ("exact", "isolux"),
+    ] {
+        let mut arguments = vec!["render", "desk.toml", "-o", "out", "--json"];
+        arguments.extend(["--bounces", "0", "--resolution", "16"]);
+        arguments.extend(["--transfer", transfer, "--emitters", emitters]);
+        let rendered = document(&isolux(&arguments, directory.path(), ""));
+        assert_eq!(rendered["rungs"]["transfer"], transfer);
+        assert_eq!(rendered["rungs"]["emitters"], emitters);
+    }
+}
+
+#[test]
 fn emitters_are_a_choice() {
     let directory = tempfile::tempdir().expect("a directory");
     write(directory.path(), "desk.toml", &desk());
@@ -143,6 +161,8 @@ fn emitters_are_a_choice() {
     let reference = at(&["--reference"]);
     agree(&isolux, &reference, 0.1);
     agree(&at(&["--emitters", "linear"]), &reference, 0.02);
+    // What each outline encloses sends all that it receives.
+    agree(&at(&["--emitters", "layer-cake"]), &reference, 0.01);
 }
 
 /// shot = received + elsewhere + on backs + leaving + missing, and

@@ -136,10 +136,10 @@ fn luminance(counts: &Counts) -> String {
     } else {
         "isolux::luminance::Rgb"
     };
-    let form = if counts.coefficients == 1 {
-        "Constant"
-    } else {
-        "Linear"
+    let form = match (counts.coefficients, counts.weights) {
+        (1, 0) => "Constant",
+        (1, _) => "Increment",
+        _ => "Linear",
     };
     format!("isolux::luminance::{form}<{colour}>")
 }

@@ -170,6 +170,8 @@ impl Content {
         for &member in &band.members {
             self.member(first_sample + member)?;
         }
+        let weights = band.weights.iter();
+        self.weights.extend(weights.map(|&weight| weight as f32));
         let vertex = |&sample: &usize| planned.samples[sample].vertex;
         let loops = band.loops.iter();
         let loops: Vec<Vec<[f64; 2]>> = loops

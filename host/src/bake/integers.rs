@@ -24,6 +24,8 @@ pub enum Refused {
     Colour,
     /// The plan's radiosities are linear, not constant.
     Linear,
+    /// The plan's emitters are nested, of increments, not means.
+    Layers,
     /// A count does not fit the tables.
     TooLarge(TooLarge),
 }
@@ -39,6 +41,7 @@ impl std::fmt::Display for Refused {
         match self {
             Self::Colour => f.write_str("tables in integers hold grey light alone"),
             Self::Linear => f.write_str("tables in integers hold constant radiosities alone"),
+            Self::Layers => f.write_str("tables in integers hold plain means alone"),
             Self::TooLarge(error) => error.fmt(f),
         }
     }
@@ -65,6 +68,9 @@ pub fn bake(scene: &Scene, plan: &Plan) -> Result<Tables, Refused> {
     }
     if plan.is_linear() {
         return Err(Refused::Linear);
+    }
+    if plan.is_layered() {
+        return Err(Refused::Layers);
     }
     let planned = Shooters::new(scene, plan);
     let units = Units::new(scene, plan, &planned);

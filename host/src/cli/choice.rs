@@ -19,15 +19,16 @@ pub(super) struct RungArguments {
     /// How occlusion is found: exact (the default where something can occlude),
     /// vertex-rays, none (light passes through everything).
     #[arg(long, value_name = "RUNG")]
-    visibility: Option<String>,
+    pub(super) visibility: Option<String>,
     /// What shoots reflected light: points (the default of open scenes where they
-    /// hold), linear (of others), isolux (the paper's).
+    /// hold), linear (of others), isolux (the paper's), layer-cake (nested outlines;
+    /// the power is conserved).
     #[arg(long, value_name = "RUNG")]
-    emitters: Option<String>,
+    pub(super) emitters: Option<String>,
     /// How emitter-to-receiver terms are had: exact (the default), codes (written
     /// beforehand: no occluder is on the device).
     #[arg(long, value_name = "RUNG")]
-    transfer: Option<String>,
+    pub(super) transfer: Option<String>,
     /// How samples are placed: error (where they lessen the error most, the
     /// default), isolux (the paper's).
     #[arg(long, value_name = "RUNG")]
@@ -54,7 +55,7 @@ const BUILT: [(&str, &[&str]); 6] = [
         ],
     ),
     ("visibility", &["none", "vertex-rays", "exact"]),
-    ("emitters", &["isolux", "points", "linear"]),
+    ("emitters", &["isolux", "layer-cake", "points", "linear"]),
     ("transfer", &["exact", "codes"]),
     ("placement", &["isolux", "error"]),
     ("reconstruction", &["cone", "stencil", "tensor"]),
@@ -67,6 +68,8 @@ pub(super) enum Emitters {
     Isolux,
     /// The samples themselves, each for the area around it.
     Points,
+    /// What each isolux outline encloses.
+    LayerCake,
     /// Patches with linear radiosity.
     Linear,
 }
@@ -96,6 +99,7 @@ impl Emitters {
         match self {
             Self::Isolux => "isolux",
             Self::Points => "points",
+            Self::LayerCake => "layer-cake",
             Self::Linear => "linear",
         }
     }
@@ -110,6 +114,16 @@ pub(super) enum Transfer {
     Codes,
 }
 
+impl Transfer {
+    /// Its name on the ladder.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::Codes => "codes",
+        }
+    }
+}
+
 /// The rungs that a scene is solved with.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Choices {
@@ -118,8 +132,8 @@ pub(super) struct Choices {
     pub(super) emitters: Emitters,
     pub(super) transfer: Transfer,
     pub(super) placement: Placement,
-    /// Whether samples are spread by the paper's filter.
-    pub(super) cone: bool,
+    /// Whether points were asked for, and not only taken where they hold.
+    pub(super) points_asked: bool,
 }
 
 /// Surfaces that reflect, above which light goes to and fro so much that a
@@ -169,18 +183,19 @@ pub(super) fn choices(
     }
     let arithmetic = arithmetic(rungs.arithmetic.as_deref())?;
     let cone = rungs.reconstruction.as_deref() == Some("cone");
-    let of_the_paper = cone || rungs.emitters.as_deref() == Some("isolux");
+    let nested = ["isolux", "layer-cake"];
+    let outlined = rungs.emitters.as_deref().is_some_and(|name| nested.contains(&name));
     let placement = match rungs.placement.as_deref() {
         Some("isolux") => Placement::Isolux,
         Some(_) => Placement::Error,
-        None if of_the_paper || arithmetic.is_integer() => Placement::Isolux,
+        None if cone || outlined || arithmetic.is_integer() => Placement::Isolux,
         None => Placement::Error,
     };
     let choices = Choices {
         arithmetic,
         transfer,
         placement,
-        cone: cone || placement == Placement::Isolux,
+        points_asked: rungs.emitters.as_deref() == Some("points"),
         sight: match rungs.visibility.as_deref() {
             Some("vertex-rays") => Sight::VertexRays,
             Some("none") => Sight::None,
@@ -191,6 +206,7 @@ pub(super) fn choices(
         emitters: match rungs.emitters.as_deref() {
             Some("linear") => Emitters::Linear,
             Some("points") => Emitters::Points,
+            Some("layer-cake") => Emitters::LayerCake,
             Some(_) => Emitters::Isolux,
             None if is_room || transfer == Transfer::Codes => Emitters::Linear,
             None if placement == Placement::Error => Emitters::Points,
@@ -198,7 +214,42 @@ pub(super) fn choices(
         },
     };
     integers_suffice(&choices, needs)?;
+    ladders_agree(&choices, &rungs, is_room)?;
     Ok(choices)
+}
+
+/// Refuses rungs that do not go together.
+fn ladders_agree(choices: &Choices, rungs: &Rungs, is_room: bool) -> Result<(), Failure> {
+    let by_error = choices.placement == Placement::Error;
+    let cone = rungs.reconstruction.as_deref().map(|name| name == "cone");
+    let (what, remedy) = match (by_error, choices.emitters, cone) {
+        (true, Emitters::Isolux | Emitters::LayerCake, _) => (
+            format!("emitters `{}` with placement `error`", choices.emitters.name()),
+            "take placement `isolux`, or emitters `points` or `linear`",
+        ),
+        (false, Emitters::Points, _) => (
+            "emitters `points` with placement `isolux`".to_owned(),
+            "take placement `error`, or emitters `isolux`",
+        ),
+        (true, Emitters::Points, _) if is_room => (
+            "emitters `points` in a room".to_owned(),
+            "take emitters `linear`: points stand for surfaces that are far off and in full view",
+        ),
+        (true, _, Some(true)) => (
+            "reconstruction `cone` with placement `error`".to_owned(),
+            "take placement `isolux`, or reconstruction `tensor` or `stencil`",
+        ),
+        (false, _, Some(false)) => (
+            "placement `isolux` without reconstruction `cone`".to_owned(),
+            "take placement `error`, or reconstruction `cone`",
+        ),
+        (true, Emitters::Linear, _) if rungs.reconstruction.as_deref() == Some("tensor") => (
+            "reconstruction `tensor` where light goes to and fro, or is hidden".to_owned(),
+            "take reconstruction `stencil`, whose meshes follow the edges of light",
+        ),
+        _ => return Ok(()),
+    };
+    Err(Failure::limit(format!("{what} cannot be had"), remedy))
 }
 
 /// Refuses a rung that codes cannot be written for.
@@ -228,6 +279,11 @@ fn integers_suffice(choices: &Choices, needs: &Requirements) -> Result<(), Failu
     } else if choices.emitters == Emitters::Linear {
         let remedy = "leave out --arithmetic, or take --emitters isolux";
         ("has linear radiosities", remedy)
+    } else if choices.emitters == Emitters::Points {
+        ("has points", "leave out --arithmetic, or take --emitters isolux")
+    } else if choices.emitters == Emitters::LayerCake {
+        let remedy = "leave out --arithmetic, or take --emitters isolux";
+        ("has increments of radiosity", remedy)
     } else {
         return Ok(());
     };

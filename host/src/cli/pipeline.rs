@@ -4,6 +4,7 @@ use super::choice::{self, Choices, Emitters, Placement, RungArguments, Transfer}
 use super::failure::Failure;
 use crate::bake::{self, Tables};
 use crate::occlusion::Occlusion;
+use crate::pilot;
 use crate::plan::{self, Plan};
 use crate::reference::{self, Reference, Reflections};
 use crate::report::Progress;
@@ -43,6 +44,8 @@ pub(super) struct Planned {
     pub(super) rung: FormFactorRung,
     pub(super) sight: Sight,
     pub(super) emitters: Emitters,
+    pub(super) transfer: Transfer,
+    pub(super) placement: Placement,
     pub(super) plan: Plan,
     pub(super) tables: Tables,
 }
@@ -56,8 +59,8 @@ pub(super) fn plan(
 ) -> Result<Planned, Failure> {
     let needs = requirements(&scene);
     let choices = choice::choices(rungs, &scene, &needs)?;
-    let plan = place(&scene, &choices)?;
     let occlusion = occlusion(&scene, &choices, places)?;
+    let plan = place(&scene, &choices, occlusion.as_ref())?;
     let tables = if choices.arithmetic.is_integer() {
         bake::integers::bake(&scene, &plan).map_err(too_large)?
     } else {
@@ -71,7 +74,13 @@ pub(super) fn plan(
         scene,
         rung: choices.arithmetic,
         sight: choices.sight,
-        emitters: choices.emitters,
+        // Where points do not stand for surfaces patches do.
+        emitters: match plan.is_linear() {
+            true => Emitters::Linear,
+            false => choices.emitters,
+        },
+        transfer: choices.transfer,
+        placement: choices.placement,
         plan,
         tables,
     };
@@ -80,65 +89,53 @@ pub(super) fn plan(
 }
 
 /// Decides where samples are and what shoots.
-fn place(scene: &Scene, choices: &Choices) -> Result<Plan, Failure> {
+fn place(
+    scene: &Scene,
+    choices: &Choices,
+    occlusion: Option<&Occlusion>,
+) -> Result<Plan, Failure> {
     let mean = |[r, g, b]: [f64; 3]| (r + g + b) / 3.0;
-    let unplannable =
-        |error: plan::Unplannable| Failure::limit(error, "change [budget] samples in the scene");
-    if let Emitters::Isolux | Emitters::Points = choices.emitters {
+    let light = |reflections| judge(scene, Reflections::AtMost(reflections));
+    let remedy = "change [budget] samples in the scene";
+    if choices.emitters != Emitters::Linear {
         // The samples follow the light after one reflection: it has the shape of all
         // of it.
-        let once = judge(scene, Reflections::AtMost(1))?;
+        let once = light(1)?;
         let progress = Progress::start("planning", 0);
-        let field = |places: &[(DVec3, DVec3)]| once.irradiance_at(places);
+        let field = |places: &[(DVec3, DVec3)]| -> Vec<f64> {
+            once.light_at(places).into_iter().map(mean).collect()
+        };
         let plan = match choices.emitters {
             Emitters::Isolux => plan::isolux(scene, &scene.budget, &field).map(Some),
+            Emitters::LayerCake => plan::layer_cake(scene, &scene.budget, &field).map(Some),
             _ => plan::error_driven(scene, &scene.budget, &field),
         };
         progress.finish();
-        if let Some(plan) = plan.map_err(unplannable)? {
-            return Ok(plan);
+        match plan.map_err(|error| Failure::limit(error, remedy))? {
+            Some(plan) => return Ok(plan),
+            None if choices.points_asked => {
+                return Err(Failure::limit(
+                    "some surface is nearer to another one than its samples are to each other: points do not stand for it",
+                    "raise [budget] samples, or leave out --emitters",
+                ));
+            }
+            None => {}
         }
     }
-    let direct = judge(scene, Reflections::AtMost(0))?;
+    let direct = light(0)?;
     let field = |places: &[(DVec3, DVec3)]| -> Vec<f64> {
         direct.light_at(places).into_iter().map(mean).collect()
     };
     let progress = Progress::start("planning", 0);
+    let looking = (occlusion, choices.sight);
     let plan = match choices.placement {
-        Placement::Isolux => {
-            plan::patches::linear(scene, &scene.budget, &field).map_err(unplannable)
-        }
-        Placement::Error => room(scene, choices, &field),
+        Placement::Isolux => pilot::linear(scene, &scene.budget, looking, &field)
+            .map_err(|error| Failure::limit(error, remedy)),
+        Placement::Error => pilot::room(scene, &scene.budget, looking, &field)
+            .map_err(|error| Failure::limit(error, remedy)),
     };
     progress.finish();
     plan
-}
-
-/// Plans a room by the light of a draft, which is solved for it.
-fn room(scene: &Scene, choices: &Choices, direct: &plan::Field<'_>) -> Result<Plan, Failure> {
-    let draft = plan::patches::draft(scene, &scene.budget, direct);
-    let occlusion = occlusion(scene, choices, &[])?;
-    let tables = bake::bake(scene, &draft, occlusion).map_err(too_large)?;
-    let stop = stop(None);
-    let rung = FormFactorRung::default();
-    let light = solve::solve(&tables, rung, choices.sight, stop).map_err(refused)?;
-    let luminaires = tables.counts.luminaires as usize;
-    let emitters = tables.counts.emitters as usize;
-    let terms = |places: &plan::room::Places, emitters: std::ops::Range<usize>, sight| {
-        let single = |v: DVec3| v.as_vec3().to_array();
-        let receivers: Vec<_> = places.iter().map(|&(p, n)| (single(p), single(n))).collect();
-        let dark = || vec![vec![0.0; emitters.len()]; places.len()];
-        // Places of surfaces are places: there is nothing to refuse.
-        light.terms(&receivers, emitters.clone(), sight).unwrap_or_else(|_| dark())
-    };
-    let known = plan::room::Known {
-        draft: &draft,
-        unshadowed: &|places| terms(places, 0..luminaires, Sight::None),
-        direct: &|places| terms(places, 0..luminaires, choices.sight),
-        reflected: &|places| terms(places, luminaires..emitters, choices.sight),
-    };
-    plan::room::plan(scene, &scene.budget, &known)
-        .map_err(|error| Failure::limit(error, "change [budget] samples in the scene"))
 }
 
 /// What can hide something from receivers on the surfaces, at the named points, and at
@@ -171,6 +168,16 @@ fn reach(scene: &Scene, places: &[DVec3]) -> Vec<DVec3> {
 }
 
 impl Planned {
+    /// The name of the rung of reconstruction.
+    pub(super) fn reconstruction(&self) -> &'static str {
+        let fields = || self.plan.surfaces.iter().flat_map(|s| &s.fields);
+        match (fields().next(), fields().any(|field| field.mesh.is_some())) {
+            (None, _) => "cone",
+            (_, false) => "tensor",
+            (_, true) => "stencil",
+        }
+    }
+
     /// Bytes of RAM that the kernel's state takes on the device: the light, and
     /// the workspace of exact visibility with what it must hold.
     pub(super) fn ram(&self) -> Result<(usize, records::Sight), Failure> {

@@ -1,5 +1,7 @@
 //! `isolux trade`: every rung measured.
 
+mod rooms;
+
 use super::choice::RungArguments;
 use super::failure::Failure;
 use super::pipeline;
@@ -8,6 +10,7 @@ use crate::picture::{TradeMark, TradePanel, trade_off};
 use crate::reference::Reflections;
 use crate::report::{Progress, write_file};
 use crate::solve::FormFactorRung;
+use crate::trade::room::InRoom;
 use crate::trade::scene::{InScene, Judged};
 use crate::trade::{self, FormFactors, table};
 use clap::Args;
@@ -18,7 +21,9 @@ use std::path::PathBuf;
 /// Measures every rung of arithmetic: error by class on 2400 form factors,
 /// exact instructions, estimated cycles and bytes of code on the emulated
 /// device, time on this machine; with a scene, its irradiance and its cost as
-/// well. Writes trade.csv, trade-classes.csv, trade-scene.csv and trade.png.
+/// well, and so with every rung of visibility, emitters and transfer. Writes
+/// trade.csv, trade-classes.csv and trade.png; with a scene trade-scene.csv,
+/// trade-room.csv and trade-room.png too.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// The scene file, or the name of a scene that isolux ships; without one,
@@ -27,9 +32,13 @@ pub(super) struct Arguments {
     /// The directory for the files; made where it does not exist.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Light in the scene is reflected at most so many times.
-    #[arg(long, value_name = "N", default_value_t = 1, requires = "scene")]
-    bounces: u32,
+    /// Light in the scene is reflected at most so many times. Without it once
+    /// where rungs of arithmetic are measured, else until 0.1 % is unshot.
+    #[arg(long, value_name = "N", requires = "scene")]
+    bounces: Option<u32>,
+    /// Only the rungs of visibility, emitters and transfer in the scene.
+    #[arg(long, requires = "scene")]
+    without_arithmetic: bool,
     #[command(flatten)]
     rungs: RungArguments,
 }
@@ -48,10 +57,16 @@ struct SceneTraded<'a> {
     name: &'a str,
     reflections: u32,
     rungs: &'a [InScene],
+    room: &'a [InRoom],
 }
 
-/// A scene's name with its rows.
-type OfScene = (String, Vec<InScene>);
+/// What was measured in a scene.
+struct OfScene {
+    name: String,
+    reflections: u32,
+    rungs: Vec<InScene>,
+    room: Vec<InRoom>,
+}
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     // A scene that cannot be and a directory that cannot be made are found out
@@ -65,6 +80,9 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     };
     make(&arguments.output)?;
     let step = |name: &str| Progress::start(name, 0).finish();
+    if let (true, Some(planned)) = (arguments.without_arithmetic, &planned) {
+        return rooms::run(arguments, &planned.scene, json, step);
+    }
     let (rows, missing) = trade::form_factors(step).map_err(|error| Failure::limit(error, ""))?;
     let missing = missing.map(|error| error.to_string());
     if let Some(missing) = &missing {
@@ -76,7 +94,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     }
     let scene = match &planned {
         Some(planned) => {
-            let reflections = arguments.bounces;
+            let reflections = arguments.bounces.unwrap_or(1);
             let judged = Judged {
                 scene: &planned.scene,
                 plan: &planned.plan,
@@ -89,7 +107,13 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
             let on_device = rows.iter().any(|row| row.device.is_some());
             let found = trade::scene(&judged, on_device, step);
             let found = found.map_err(|error| Failure::limit(error, ""))?;
-            Some((planned.scene.name.clone(), found))
+            let (scene, rungs) = (&planned.scene, &arguments.rungs);
+            Some(OfScene {
+                name: scene.name.clone(),
+                reflections,
+                rungs: found,
+                room: rooms::measure(scene, rungs, arguments.bounces, on_device, step)?,
+            })
         }
         None => None,
     };
@@ -98,10 +122,11 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     if json {
         let traded = Traded {
             form_factors: &rows,
-            scene: scene.as_ref().map(|(name, rungs)| SceneTraded {
-                name,
-                reflections: arguments.bounces,
-                rungs,
+            scene: scene.as_ref().map(|scene| SceneTraded {
+                name: &scene.name,
+                reflections: scene.reflections,
+                rungs: &scene.rungs,
+                room: &scene.room,
             }),
             missing,
             files: &files,
@@ -118,13 +143,19 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
             "cost of a quad's on a Cortex-M4F, cycles estimated; on M3: instructions there; front: * absolute, o relative"
         )?;
         writeln!(out, "{}", table::terminal(&rows))?;
-        if let Some((name, rungs)) = &scene {
-            let times = arguments.bounces;
+        if let Some(OfScene {
+            name,
+            reflections: times,
+            rungs,
+            room,
+        }) = &scene
+        {
             writeln!(
                 out,
                 "\n{name}: irradiance, percent of full scale, light reflected at most {times} times"
             )?;
             writeln!(out, "{}", table::scene_terminal(rungs))?;
+            write!(out, "\n{}", rooms::in_words(name, room))?;
         }
         for file in &files {
             writeln!(out, "wrote {file}")?;
@@ -147,10 +178,16 @@ fn write(
         ("trade-classes.csv", table::classes_csv(rows).into_bytes()),
         ("trade.png", picture),
     ];
-    if let Some((name, rungs)) = scene {
-        let text = table::scene_csv(name, arguments.bounces, rungs);
+    if let Some(scene) = scene {
+        let text = table::scene_csv(&scene.name, scene.reflections, &scene.rungs);
         files.push(("trade-scene.csv", text.into_bytes()));
+        files.extend(rooms::files(&scene.name, &scene.room)?);
     }
+    written(arguments, files)
+}
+
+/// Writes files into the directory and gives their paths.
+fn written(arguments: &Arguments, files: Vec<(&str, Vec<u8>)>) -> Result<Vec<String>, Failure> {
     let mut written = Vec::new();
     for (name, bytes) in files {
         let path = arguments.output.join(name);

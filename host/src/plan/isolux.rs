@@ -3,7 +3,7 @@
 use super::map::{CELLS, Map, cell_center};
 use super::pool::{Pool, Step};
 use super::spacing::filter_radius;
-use super::{Band, Sample, SurfacePlan};
+use super::{Band, Sample, Shooters, SurfacePlan};
 use glam::DVec3;
 use isolux::form_factor::{Best, Outline, of_loops};
 use isolux::geometry::{Plane, Receiver, Vector};
@@ -56,7 +56,13 @@ impl Map {
     /// whose samples the cone filter spreads best; where there is none, the one
     /// that lights them best. `weight` is the power the surface reflects as a
     /// part of all that is emitted.
-    pub(super) fn place(self, samples: usize, probes: &[Probe], weight: f64) -> SurfacePlan {
+    pub(super) fn place(
+        self,
+        samples: usize,
+        shooters: Shooters,
+        probes: &[Probe],
+        weight: f64,
+    ) -> SurfacePlan {
         let lit = self.light(probes);
         let shifts = (-SHIFTS..=SHIFTS).map(|k| f64::from(k) / f64::from(SHIFTS) * LARGEST_SHIFT);
         let order = |placed: &Placed| {
@@ -64,7 +70,7 @@ impl Map {
             (loss, placed.blur)
         };
         let best = shifts
-            .map(|shift| self.place_at(samples, shift, &lit))
+            .map(|shift| self.place_at(samples, shooters, shift, &lit))
             .min_by(|a, b| {
                 let ((loss_a, blur_a), (loss_b, blur_b)) = (order(a), order(b));
                 loss_a.total_cmp(&loss_b).then(blur_a.total_cmp(&blur_b))
@@ -80,7 +86,7 @@ impl Map {
         }
     }
 
-    fn place_at(&self, samples: usize, shift: f64, lit: &[Lit]) -> Placed {
+    fn place_at(&self, samples: usize, shooters: Shooters, shift: f64, lit: &[Lit]) -> Placed {
         let count = (samples / VERTICES_PER_OUTLINE).clamp(1, MOST_BANDS);
         let mut edge = self.edge();
         let peak = if self.peaks_inside() {
@@ -103,9 +109,13 @@ impl Map {
             APART * (self.area / samples as f64).sqrt(),
         ];
         let pool = Pool::fill(&mut steps, samples, peak, near);
-        let bands = pool.bands(&steps, |place| self.value(place));
+        let mut bands = pool.bands(&steps, |place| self.value(place));
+        let outlines = pool.outlines(&steps);
         let inset = INSET * (self.area / samples as f64).sqrt();
         let samples = pool.into_samples(|vertex| self.inside(vertex, inset));
+        if shooters == Shooters::Layers {
+            bands = self.layers(outlines, &bands, &samples, lit);
+        }
         let values: Vec<f64> = samples
             .iter()
             .map(|sample| self.value(sample.place))
@@ -113,8 +123,8 @@ impl Map {
         let radiosities: Vec<f64> = bands
             .iter()
             .map(|band| {
-                let sum: f64 = band.members.iter().map(|&member| values[member]).sum();
-                sum / band.members.len().max(1) as f64
+                let shares = band.shares();
+                shares.map(|(member, share)| share * values[member]).sum()
             })
             .collect();
         Placed {
@@ -158,9 +168,9 @@ pub(super) type Probe = (DVec3, DVec3);
 
 /// A probe and the light that truly reaches it from a surface, per unit of
 /// reflectance.
-struct Lit {
+pub(super) struct Lit {
     receiver: Receiver<f64>,
-    irradiance: f64,
+    pub(super) irradiance: f64,
 }
 
 impl Map {
@@ -206,35 +216,34 @@ impl Map {
                 0.0
             };
         }
-        let polygons: Vec<Vec<Vec<[f64; 3]>>> = bands
-            .iter()
-            .map(|band| {
-                let place = |&sample: &usize| {
-                    let [u, v] = samples[sample].vertex;
-                    <[f64; 3]>::from(self.frame.to_world(u, v))
-                };
-                band.loops
-                    .iter()
-                    .map(|l| l.iter().map(place).collect())
-                    .collect()
-            })
-            .collect();
+        let mut sent = vec![0.0; lit.len()];
+        for (band, radiosity) in bands.iter().zip(radiosities) {
+            let vertex = |&sample: &usize| samples[sample].vertex;
+            let loops = band.loops.iter();
+            let loops: Vec<Vec<[f64; 2]>> = loops.map(|l| l.iter().map(vertex).collect()).collect();
+            for (sent, factor) in sent.iter_mut().zip(self.form_factors(&loops, lit)) {
+                *sent += radiosity * factor;
+            }
+        }
+        let errors = sent.iter().zip(lit);
+        let errors = errors.map(|(sent, lit)| (sent / lit.irradiance - 1.0).abs());
+        errors.fold(0.0, f64::max)
+    }
+
+    /// The form factors at the probes of what loops on the surface enclose.
+    pub(super) fn form_factors(&self, loops: &[Vec<[f64; 2]>], lit: &[Lit]) -> Vec<f64> {
+        let in_space = |&[u, v]: &[f64; 2]| <[f64; 3]>::from(self.frame.to_world(u, v));
+        let loops = loops.iter();
+        let loops: Vec<Vec<[f64; 3]>> = loops.map(|l| l.iter().map(in_space).collect()).collect();
         let plane = Plane {
             normal: Vector::from(<[f64; 3]>::from(self.frame.normal)),
             point: Vector::from(<[f64; 3]>::from(self.frame.origin)),
         };
-        let error = |lit: &Lit| {
-            let sent: f64 = polygons
-                .iter()
-                .zip(radiosities)
-                .map(|(loops, radiosity)| {
-                    let loops = loops.iter().map(|vertices| Outline::new(vertices));
-                    radiosity * of_loops::<Best, f64>(&lit.receiver, &plane, loops)
-                })
-                .sum();
-            (sent / lit.irradiance - 1.0).abs()
+        let factor = |lit: &Lit| {
+            let outlines = loops.iter().map(|vertices| Outline::new(vertices));
+            of_loops::<Best, f64>(&lit.receiver, &plane, outlines)
         };
-        lit.iter().map(error).fold(0.0, f64::max)
+        lit.iter().map(factor).collect()
     }
 }
 

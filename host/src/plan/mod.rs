@@ -2,15 +2,18 @@
 //!
 //! The isolux mode is the paper's, made automatic: the irradiance each surface
 //! receives is known from the reference; its isolux outlines become the
-//! polygons that shoot reflected light, and their vertices, with the peak, are
-//! the samples. In a room, where light goes to and fro, [`patches`] with linear
-//! radiosity do the same with a tenth of the emitters. Where shadows begin and
-//! end on a surface, [`shadow`] knows. A planned scene is data: [`crate::bake`]
-//! turns it into tables.
+//! polygons that shoot reflected light, either what lies between two of them or
+//! what each encloses, and their vertices, with the peak, are the
+//! samples. In a room, where light goes to and fro, [`patches`] with linear
+//! radiosity do the same with a tenth of the emitters. Error-driven placement
+//! puts samples where they lessen the error most, in open scenes at the nodes of
+//! tensor grids, in rooms ([`room`]) along the edges of shadows, which [`shadow`]
+//! knows. A planned scene is data: [`crate::bake`] turns it into tables.
 
 mod error;
 pub mod fields;
 mod isolux;
+mod layers;
 mod map;
 mod outline;
 pub mod patches;
@@ -119,10 +122,7 @@ impl SurfacePlan {
     /// What the mean irradiance of each secondary emitter is had from: indices
     /// into [`samples`](Self::samples) and their shares.
     pub fn shares(&self) -> Vec<Vec<(usize, f64)>> {
-        let bands = self.bands.iter().map(|band| {
-            let share = 1.0 / band.members.len() as f64;
-            band.members.iter().map(|&member| (member, share)).collect()
-        });
+        let bands = self.bands.iter().map(|band| band.shares().collect());
         let patches = self.patches.iter().map(|patch| {
             let members = patch.members.iter();
             members
@@ -217,7 +217,18 @@ impl Tag {
     }
 }
 
-/// The part of a surface between two isolux outlines: a secondary emitter.
+/// What shoots the light that a surface reflects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shooters {
+    /// What lies between consecutive isolux outlines: the paper's.
+    Bands,
+    /// What each isolux outline encloses, by the step of radiosity there: fewer
+    /// edges, and the power is conserved.
+    Layers,
+}
+
+/// The part of a surface between two isolux outlines, or all that is inside of
+/// one: a secondary emitter.
 #[derive(Clone, Debug)]
 pub struct Band {
     /// Indices into [`SurfacePlan::samples`]: outer loops counter-clockwise,
@@ -226,8 +237,21 @@ pub struct Band {
     /// The samples whose mean irradiance the band reflects; one that counts
     /// more than once stands here as often.
     pub members: Vec<usize>,
+    /// What each member counts for, where it is not the plain mean: of a layer,
+    /// by which it is brighter than what is outside.
+    pub weights: Vec<f64>,
     /// Area in m².
     pub area: f64,
+}
+
+impl Band {
+    /// Its members and what each counts for.
+    fn shares(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let equal = 1.0 / self.members.len().max(1) as f64;
+        let weights = self.weights.iter().copied();
+        let shares = weights.chain(std::iter::repeat(equal));
+        self.members.iter().copied().zip(shares)
+    }
 }
 
 /// Why a scene could not be planned.
@@ -279,7 +303,7 @@ const PROBES: usize = 6;
 /// The irradiance at many places with their normals: what the planner looks at.
 pub type Field<'a> = dyn Fn(&[(DVec3, DVec3)]) -> Vec<f64> + 'a;
 
-/// Plans a scene in isolux mode.
+/// Plans a scene in isolux mode: what lies between two outlines shoots.
 ///
 /// `field` gives the irradiance after the reflections that are to be planned
 /// for. The samples of [`Budget::samples`] are divided among the reflecting
@@ -288,10 +312,28 @@ pub type Field<'a> = dyn Fn(&[(DVec3, DVec3)]) -> Vec<f64> + 'a;
 /// # Errors
 /// [`Unplannable`] where the budget is too small, or too large for the tables.
 pub fn isolux(scene: &Scene, budget: &Budget, field: &Field<'_>) -> Result<Plan, Unplannable> {
+    outlined(scene, budget, Shooters::Bands, field)
+}
+
+/// Plans a scene as [`isolux`] does, with nested emitters: what each outline
+/// encloses shoots, by the step of radiosity there.
+///
+/// # Errors
+/// As [`isolux`].
+pub fn layer_cake(scene: &Scene, budget: &Budget, field: &Field<'_>) -> Result<Plan, Unplannable> {
+    outlined(scene, budget, Shooters::Layers, field)
+}
+
+fn outlined(
+    scene: &Scene,
+    budget: &Budget,
+    shooters: Shooters,
+    field: &Field<'_>,
+) -> Result<Plan, Unplannable> {
     let maps: Vec<Option<map::Map>> = scene
         .surfaces
         .iter()
-        .map(|surface| (surface.reflectance[0] > 0.0).then(|| map::Map::new(surface, field)))
+        .map(|surface| surface.reflects().then(|| map::Map::new(surface, field)))
         .collect();
     let reflecting = maps.iter().flatten().count() as u64;
     let budget = budget.samples.unwrap_or(DEFAULT_SAMPLES * reflecting);
@@ -309,7 +351,7 @@ pub fn isolux(scene: &Scene, budget: &Budget, field: &Field<'_>) -> Result<Plan,
     let emitted: f64 = scene
         .surfaces
         .iter()
-        .map(|s| PI * s.radiance[0] * s.area)
+        .map(|s| PI * mean(s.radiance) * s.area)
         .sum();
     let surfaces = scene
         .surfaces
@@ -318,8 +360,8 @@ pub fn isolux(scene: &Scene, budget: &Budget, field: &Field<'_>) -> Result<Plan,
         .zip(shares)
         .map(|((surface, map), samples)| match map {
             Some(map) => {
-                let weight = surface.reflectance[0] * map.power / emitted;
-                map.place(samples, &probes(scene, surface), weight)
+                let weight = mean(surface.reflectance) * map.power / emitted;
+                map.place(samples, shooters, &probes(scene, surface), weight)
             }
             None => SurfacePlan::without_samples(Frame::new(surface)),
         })
@@ -327,12 +369,17 @@ pub fn isolux(scene: &Scene, budget: &Budget, field: &Field<'_>) -> Result<Plan,
     Ok(Plan { surfaces })
 }
 
+/// The mean of the channels: what counts where one number has to.
+fn mean([r, g, b]: [f64; 3]) -> f64 {
+    (r + g + b) / 3.0
+}
+
 /// Places on every other surface that reflects, [`PROBES`] × [`PROBES`] each.
 fn probes(scene: &Scene, surface: &Surface) -> Vec<(DVec3, DVec3)> {
     let others = scene
         .surfaces
         .iter()
-        .filter(|other| !std::ptr::eq(*other, surface) && other.reflectance[0] > 0.0);
+        .filter(|other| !std::ptr::eq(*other, surface) && other.reflects());
     others
         .flat_map(|other| {
             let frame = Frame::new(other);
@@ -353,6 +400,21 @@ impl Plan {
             .iter()
             .map(|surface| surface.samples.len())
             .sum()
+    }
+
+    /// Whether emitters are nested, each with an increment of radiosity.
+    pub fn is_layered(&self) -> bool {
+        let mut bands = self.surfaces.iter().flat_map(|s| &s.bands);
+        bands.any(|band| !band.weights.is_empty())
+    }
+
+    /// Values on the outlines of shadows, and behind them, that are known without a
+    /// sample.
+    pub fn free_samples(&self) -> usize {
+        let fields = self.surfaces.iter().flat_map(|surface| &surface.fields);
+        let shadows = fields.filter(|field| field.tensor.is_some());
+        let nodes = shadows.flat_map(|field| &field.mesh).flat_map(|mesh| &mesh.nodes);
+        nodes.filter(|node| node.shares.is_empty()).count()
     }
 
     /// Whether radiosities are linear.

@@ -108,6 +108,11 @@ impl Pool {
         step.loops.iter().map(find).collect()
     }
 
+    /// The loops of every step.
+    pub(super) fn outlines(&self, steps: &[Step]) -> Vec<Vec<Vec<usize>>> {
+        steps.iter().map(|step| self.indices(step)).collect()
+    }
+
     /// One band between each outline and the next brighter one; the last one is
     /// what the brightest outline encloses.
     ///
@@ -115,7 +120,7 @@ impl Pool {
     /// outline shrunk to a point: it counts as often as the outline around it
     /// has vertices.
     pub(super) fn bands(&self, steps: &[Step], value: impl Fn([f64; 2]) -> f64) -> Vec<Band> {
-        let outlines: Vec<Vec<Vec<usize>>> = steps.iter().map(|step| self.indices(step)).collect();
+        let outlines = self.outlines(steps);
         (0..steps.len())
             .map(|k| {
                 let brighter = outlines.get(k + 1);
@@ -139,6 +144,7 @@ impl Pool {
                 Band {
                     loops,
                     members,
+                    weights: Vec::new(),
                     area,
                 }
             })

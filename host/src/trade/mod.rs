@@ -2,12 +2,13 @@
 //!
 //! [`form_factors`] measures each rung of [`FormFactorRung::ALL`] on a suite of cases
 //! ([`suite`]) and on the emulated device; [`scene()`] does the same with a baked
-//! scene. Nothing here knows the rungs by name: one more on the ladder is one
+//! scene, [`room`] with the rungs that change what is baked. Nothing here knows the rungs by name: one more on the ladder is one
 //! more line of every table.
 
 pub mod error;
 pub mod front;
 mod host;
+pub mod room;
 pub mod scene;
 pub mod suite;
 pub mod table;

@@ -192,7 +192,7 @@ pub fn scene_terminal(rows: &[InScene]) -> String {
     finished(table)
 }
 
-fn plain<const N: usize>(header: [&str; N]) -> Table {
+pub(super) fn plain<const N: usize>(header: [&str; N]) -> Table {
     let mut table = Table::new();
     table
         .load_style(PLAIN)
@@ -201,7 +201,7 @@ fn plain<const N: usize>(header: [&str; N]) -> Table {
     table
 }
 
-fn finished(mut table: Table) -> String {
+pub(super) fn finished(mut table: Table) -> String {
     for (index, column) in table.column_iter_mut().enumerate() {
         column.set_padding((0, 2));
         if index > 0 {

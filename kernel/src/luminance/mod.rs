@@ -3,9 +3,10 @@
 //! Both are types. A scene that is grey has one channel ([`f32`]), one with
 //! colour three ([`Rgb`]); geometry is evaluated once for all of them. An
 //! emitter is of one radiosity all over ([`Constant`]: a luminaire, a band
-//! between two isolux outlines), or its radiosity is linear in place
-//! ([`Linear`]: a patch of a wall), which needs a tenth of the emitters for the
-//! same error in a room.
+//! between two isolux outlines; [`Increment`]: what is inside of an outline, by
+//! which it is brighter than what is outside), or its radiosity is linear in
+//! place ([`Linear`]: a patch of a wall), which needs a tenth of the emitters for
+//! the same error in a room.
 //!
 //! A linear radiosity is B(a, b) = m + g_a a + g_b b in the emitter's own
 //! coordinates ([`records::Shape`](crate::scene::records::Shape)), whose origin is
@@ -129,6 +130,9 @@ pub trait Luminance: Copy + Debug + PartialEq + Send + Sync + 'static {
     type Colour: Colour;
     /// Coefficients a channel.
     const COEFFICIENTS: usize;
+    /// Whether every member has as many weights, which may be negative; else it is
+    /// the members' plain mean, which is not.
+    const WEIGHTED: bool;
     /// No light.
     const DARK: Self;
 
@@ -137,6 +141,12 @@ pub trait Luminance: Copy + Debug + PartialEq + Send + Sync + 'static {
 
     /// The mean radiosity.
     fn mean(self) -> Self::Colour;
+
+    /// What emitters with this mean are compared by: the sum of the channels.
+    #[inline(always)]
+    fn strength(mean: Self::Colour) -> f32 {
+        mean.total()
+    }
 
     /// A function of two, coefficient by coefficient.
     fn zip(
@@ -168,6 +178,7 @@ pub struct Constant<C>(
 impl<C: Colour> Luminance for Constant<C> {
     type Colour = C;
     const COEFFICIENTS: usize = 1;
+    const WEIGHTED: bool = false;
     const DARK: Self = Self(C::DARK);
 
     #[inline(always)]
@@ -201,6 +212,64 @@ impl<C: Colour> Luminance for Constant<C> {
     }
 }
 
+/// What an outline adds to the radiosity of everything inside of it; below 0 where
+/// the inside is darker.
+///
+/// A radiosity that falls off in steps, B(x) = Σ_k ΔB_k [x inside outline k], is
+/// that of nested emitters, each of one increment all over: of what an outline
+/// encloses no inner loop is left out. The members' weights give the increment.
+/// Light is left as long as increments are, whatever their sign: the power unshot
+/// is then Σ |ΔB_k| A_k, not less than that of the sum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Increment<C>(
+    /// The increment in W m⁻².
+    pub C,
+);
+
+impl<C: Colour> Luminance for Increment<C> {
+    type Colour = C;
+    const COEFFICIENTS: usize = 1;
+    const WEIGHTED: bool = true;
+    const DARK: Self = Self(C::DARK);
+
+    #[inline(always)]
+    fn uniform(colour: C) -> Self {
+        Self(colour)
+    }
+
+    #[inline(always)]
+    fn mean(self) -> C {
+        self.0
+    }
+
+    #[inline(always)]
+    fn strength(mean: C) -> f32 {
+        mean.map(|x| if x < 0.0 { -x } else { x }).total()
+    }
+
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(C, C) -> C + Copy) -> Self {
+        Self(f(self.0, other.0))
+    }
+
+    #[inline(always)]
+    fn gather(self, irradiance: C, weights: &[f32]) -> Self {
+        let weight = weights.first().copied().unwrap_or(0.0);
+        Self(self.0.plus(irradiance.times(weight)))
+    }
+
+    #[inline(always)]
+    fn gathered(self, _: usize) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn received(self, factor: f32, _: impl FnOnce() -> [f32; 2]) -> C {
+        self.0.times(factor)
+    }
+}
+
 /// A radiosity that is linear in the emitter's own coordinates (a, b).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -214,6 +283,7 @@ pub struct Linear<C> {
 impl<C: Colour> Luminance for Linear<C> {
     type Colour = C;
     const COEFFICIENTS: usize = 3;
+    const WEIGHTED: bool = true;
     const DARK: Self = Self {
         mean: C::DARK,
         gradient: [C::DARK; 2],

@@ -134,7 +134,7 @@ fn counts_agree(counts: &Counts) -> bool {
         && (counts.shapes == 0) == (counts.corners == 0)
         && (counts.occluders == 0 || counts.shapes == counts.emitters)
         && match counts.coefficients {
-            1 => counts.weights == 0,
+            1 => counts.weights == 0 || u64::from(counts.weights) == weights,
             3 => {
                 u64::from(counts.weights) == weights
                     && counts.shapes == counts.emitters

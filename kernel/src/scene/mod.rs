@@ -40,8 +40,9 @@
 //!
 //! Luminaires come first among the emitters and have no members. A secondary
 //! emitter reflects, with its surface's reflectance, what its members receive:
-//! the mean of them where radiosities are constant (no weights then), or with
-//! three weights a member the mean and the two gradients of a linear radiosity.
+//! the mean of them where radiosities are constant (no weights then), with one
+//! weight a member the increment of a layer, or with three the mean and the two
+//! gradients of a linear radiosity.
 //! Shapes and corners are there where radiosities are linear or something
 //! occludes; loops are then convex. Samples are ordered by surface, and on a
 //! surface by what they receive.

@@ -98,8 +98,8 @@ pub struct Counts {
     pub samples: u32,
     /// Members of emitters.
     pub members: u32,
-    /// Weights: as many as coefficients for each member where there are three,
-    /// else none.
+    /// Weights: as many as coefficients for each member; none where radiosities
+    /// are plain means.
     pub weights: u32,
     /// Codes: one for each secondary emitter and each sample that receives
     /// reflected light, or none.

@@ -34,7 +34,7 @@ where
         let (mut unshot, mut emitted, mut most) = (0.0, 0.0, 0.0);
         let mut brightest = None;
         for (index, emitter) in self.scene.emitters().iter().enumerate() {
-            let radiosity = self.unshot_mean(index).total();
+            let radiosity = L::strength(self.unshot_mean(index));
             unshot += if radiosity > 0.0 { radiosity } else { 0.0 } * SCALE * emitter.area;
             // Not scaled: the smallest powers must be told apart.
             let power = radiosity * emitter.area;
@@ -84,7 +84,7 @@ where
                     None => irradiance,
                 });
             }
-            if L::COEFFICIENTS == 1 {
+            if !L::WEIGHTED {
                 mean = mean.map(|sum| sum / emitter.members as f32);
             }
             let reflectance = self
@@ -98,11 +98,7 @@ where
 
     /// `all` less `shot`, held.
     fn held(all: f32, shot: f32) -> f32 {
-        let lowest = if L::COEFFICIENTS == 1 {
-            0.0
-        } else {
-            -BRIGHTEST
-        };
+        let lowest = if L::WEIGHTED { -BRIGHTEST } else { 0.0 };
         let value = all - shot;
         if value > BRIGHTEST {
             BRIGHTEST

@@ -4,11 +4,15 @@
 //! the surface's exposed part is a patch. Its radiosity is linear in place,
 //! fitted to irradiance at places: direct light at its own, reflected light at
 //! those of a larger cell that it is a part of, because shadows have edges and
-//! reflected light has hardly any. Cells are halved where direct light is
-//! farthest from linear, so that patches gather at the edges of shadows.
+//! reflected light has hardly any. Cells are halved where light is farthest from
+//! linear, so that patches gather at the edges of shadows and in corners. Where
+//! only direct light is known ([`linear`]), reflected light is taken to vary over
+//! the scene's own length; a first solution tells all of it ([`following`]), and
+//! then the weights of the places are such that they miss nothing between them.
 
 mod exposed;
 mod places;
+mod project;
 mod refine;
 pub(crate) mod shapes;
 
@@ -16,7 +20,9 @@ use super::{Field, Plan, Sample, SurfacePlan, Tag, Unplannable, spacing};
 use crate::scene::frame::Frame;
 use crate::scene::{Budget, Scene};
 use exposed::{Cell, Exposed};
-use refine::{Refined, Refinement};
+use refine::{Guide, Refined, Refinement};
+
+pub use refine::Split;
 
 /// A part of a surface whose radiosity is linear.
 #[derive(Clone, Debug)]
@@ -40,22 +46,34 @@ pub struct Patch {
 const DEFAULT_PATCHES: usize = 300;
 const PATCHES_A_SURFACE: usize = 48;
 
+/// Patches of a first plan: at most so many in all, and on the average of the
+/// surfaces; and the part of them in which reflected light is looked at.
+const FIRST_PATCHES: usize = 120;
+const FIRST_A_SURFACE: usize = 12;
+const FIRST_COARSE: f64 = 0.7;
+
+/// The same as [`PLACES`] for a first plan.
+const FIRST_PLACES: [[usize; 2]; 2] = [[3, 2], [2, 2]];
+
 /// The part of the patches that is there from the start is one in so many; the
 /// others come from halving those that fit worst.
 const START: usize = 3;
 
-/// Cells that reflected light is looked at in, as a part of the patches: where
-/// samples are short, and where they are not. In the Cornell box 687 samples
-/// err least with half, and 300 patches lose little with 0.7.
-const COARSE: f64 = 0.5;
-const COARSE_AT_WILL: f64 = 0.7;
+/// Cells that reflected light is looked at in, as a part of the patches.
+const COARSE: f64 = 0.4;
 
-/// Places along each side of a patch for direct light, best first; the budget
-/// decides.
-const DIRECT: [usize; 3] = [4, 3, 2];
+/// Places along each side of a patch for direct light and of a coarse cell for
+/// reflected light, best first; the budget decides.
+const PLACES: [[usize; 2]; 4] = [[4, 3], [3, 3], [2, 3], [2, 2]];
 
-/// Places along each side of a coarse cell for reflected light.
-const REFLECTED: usize = 2;
+/// The same where there is no budget and all light is known: then the weights
+/// know what lies between the places.
+const KNOWN: [[usize; 2]; 1] = [[2, 2]];
+
+/// What patches may miss of the radiosity where the scene sets no budget (root
+/// mean square, of what the first solution knows). In the Cornell box and in the
+/// office 95 of 100 places are then within 0.5 %.
+const ERROR: f64 = 0.0225;
 
 /// Samples for display that a patch is told its radiosity by, about.
 const SAMPLES_A_PATCH: usize = 3;
@@ -74,41 +92,68 @@ const ENOUGH: usize = 80;
 /// # Errors
 /// [`Unplannable`] where the budget is too small, or too large for the tables.
 pub fn linear(scene: &Scene, budget: &Budget, direct: &Field<'_>) -> Result<Plan, Unplannable> {
-    let reflecting = scene.surfaces.iter().filter(|surface| surface.reflects());
-    let division = Division::new(reflecting.count(), budget)?;
-    let plan = divided(scene, &division, direct);
-    let needed = plan.samples() as u64;
-    match budget.samples {
-        Some(allowed) if needed > allowed => Err(Unplannable::Samples { allowed, needed }),
-        _ if needed > super::MOST_SAMPLES => Err(Unplannable::TooMany {
-            asked: needed,
-            most: super::MOST_SAMPLES,
-        }),
-        _ => Ok(plan),
-    }
+    guided(scene, budget, Guide::Direct(direct))
+}
+
+/// Plans a scene with linear patches by what is known of all its light.
+///
+/// As [`linear`], but patches are halved where neither direct nor reflected light
+/// follows a straight line, and the weights of a patch's places make the linear
+/// function that fits this light best: where light is as planned for, what a
+/// patch sends is no guess from a few places. Costs about a hundred values of
+/// `light` a patch.
+///
+/// # Errors
+/// As [`linear`].
+pub fn following(scene: &Scene, budget: &Budget, light: &Split<'_>) -> Result<Plan, Unplannable> {
+    guided(scene, budget, Guide::All(light))
+}
+
+/// Plans few patches, for a first solution that tells [`following`] of the light.
+///
+/// # Errors
+/// As [`linear`].
+pub fn first(scene: &Scene, direct: &Field<'_>) -> Result<Plan, Unplannable> {
+    let reflecting = scene.surfaces.iter().filter(|s| s.reflects()).count();
+    let patches = (FIRST_A_SURFACE * reflecting).min(FIRST_PATCHES);
+    let coarse = (patches as f64 * FIRST_COARSE) as usize;
+    let division = Division::at_will(patches, coarse, reflecting, &FIRST_PLACES);
+    divided(scene, &division, None, Guide::Direct(direct))
 }
 
 /// Patches for a plan that has its samples from elsewhere: as many as a budget of
 /// samples can tell the radiosities of, with places of their own that say exactly
 /// what these are.
-pub fn draft(scene: &Scene, budget: &Budget, direct: &Field<'_>) -> Plan {
-    let reflecting = scene.surfaces.iter().filter(|surface| surface.reflects());
-    let reflecting = reflecting.count();
+///
+/// # Errors
+/// As [`linear`].
+pub fn draft(scene: &Scene, budget: &Budget, light: &Split<'_>) -> Result<Plan, Unplannable> {
+    let reflecting = scene.surfaces.iter().filter(|s| s.reflects()).count();
     let most = (PATCHES_A_SURFACE * reflecting).min(DEFAULT_PATCHES);
-    let patches = match budget.samples {
-        Some(samples) => most.min(samples as usize / SAMPLES_A_PATCH),
-        None => most,
+    let (patches, error) = match budget.samples {
+        Some(samples) => (most.min(samples as usize / SAMPLES_A_PATCH), 0.0),
+        None => (most, ERROR),
     };
+    let coarse = (patches as f64 * COARSE) as usize;
     let division = Division {
-        coarse: ((patches as f64 * COARSE_AT_WILL) as usize).max(reflecting),
-        patches: patches.max(reflecting),
-        direct: DIRECT[0],
+        error,
+        ..Division::at_will(patches, coarse, reflecting, &PLACES)
     };
-    divided(scene, &division, direct)
+    divided(scene, &division, None, Guide::All(light))
 }
 
-/// Cells and their halves, as a division says.
-fn divided(scene: &Scene, division: &Division, direct: &Field<'_>) -> Plan {
+fn guided(scene: &Scene, budget: &Budget, guide: Guide<'_>) -> Result<Plan, Unplannable> {
+    let reflecting = scene.surfaces.iter().filter(|s| s.reflects()).count();
+    let division = Division::new(reflecting, budget, guide)?;
+    divided(scene, &division, budget.samples, guide)
+}
+
+fn divided(
+    scene: &Scene,
+    division: &Division,
+    allowed: Option<u64>,
+    guide: Guide<'_>,
+) -> Result<Plan, Unplannable> {
     let exposed: Vec<Option<Exposed>> = (0..scene.surfaces.len())
         .map(|index| {
             let surface = &scene.surfaces[index];
@@ -121,43 +166,86 @@ fn divided(scene: &Scene, division: &Division, direct: &Field<'_>) -> Plan {
         cells.into_iter().flatten().map(move |cell| (index, cell))
     };
     let start: Vec<(usize, Cell)> = exposed.iter().enumerate().flat_map(cut).collect();
-    let refinement = Refinement::new(scene, &exposed, direct);
-    let coarse = refinement.refine(&start, division.coarse).into_iter();
+    let refinement = Refinement::new(scene, &exposed, guide);
+    let coarse = refinement.refine(&start, division.coarse, division.error);
+    let coarse = coarse.into_iter();
     let coarse: Vec<(usize, Cell)> = coarse.map(|r| (r.surface, r.cell)).collect();
     let mut fine: Vec<Vec<Refined>> = exposed.iter().map(|_| Vec::new()).collect();
-    for refined in refinement.refine(&coarse, division.patches) {
+    for refined in refinement.refine(&coarse, division.patches, division.error) {
         fine[refined.surface].push(refined);
     }
     let surfaces = (scene.surfaces.iter().zip(&exposed))
         .zip(fine)
         .map(|((surface, exposed), fine)| match exposed {
-            Some(exposed) => of_surface(exposed, &coarse, fine, division),
+            Some(exposed) => of_surface(exposed, &coarse, fine, division, &refinement),
             None => SurfacePlan::without_samples(Frame::new(surface)),
         })
         .collect();
-    Plan { surfaces }
+    let plan = Plan { surfaces };
+    let needed = plan.samples() as u64;
+    match allowed {
+        Some(allowed) if needed > allowed => Err(Unplannable::Samples { allowed, needed }),
+        _ if needed > super::MOST_SAMPLES => Err(Unplannable::TooMany {
+            asked: needed,
+            most: super::MOST_SAMPLES,
+        }),
+        _ => Ok(plan),
+    }
 }
 
 /// How a budget is divided.
 struct Division {
-    /// Cells that reflected light is looked at in.
+    /// Cells that reflected light is looked at in, at the most.
     coarse: usize,
-    /// Patches: cells and their halves.
+    /// Patches, cells and their halves, at the most.
     patches: usize,
     /// Places along each side of a patch for direct light.
     direct: usize,
+    /// Places along each side of a coarse cell for reflected light.
+    reflected: usize,
+    /// What patches may miss of the radiosity: no more of them than that takes.
+    error: f64,
 }
 
 impl Division {
-    fn new(reflecting: usize, budget: &Budget) -> Result<Self, Unplannable> {
-        let of = |patches: usize, part: f64, direct| Self {
-            coarse: ((patches as f64 * part) as usize).max(reflecting),
+    /// So many patches without a budget, with the first of these places that the
+    /// host solves.
+    fn at_will(patches: usize, coarse: usize, reflecting: usize, places: &[[usize; 2]]) -> Self {
+        let (patches, coarse) = (patches.max(reflecting), coarse.max(reflecting));
+        let samples = |[direct, reflected]: [usize; 2]| {
+            (patches * direct * direct + coarse * reflected * reflected) as u64
+        };
+        let mut rising = places.iter().copied();
+        let fitting = rising.find(|&places| samples(places) <= super::MOST_SAMPLES);
+        let [direct, reflected] = fitting.unwrap_or([2, 2]);
+        Self {
+            coarse,
+            patches,
+            direct,
+            reflected,
+            error: 0.0,
+        }
+    }
+
+    fn new(reflecting: usize, budget: &Budget, guide: Guide<'_>) -> Result<Self, Unplannable> {
+        let of = |patches: usize, [direct, reflected]: [usize; 2]| Self {
+            coarse: ((patches as f64 * COARSE) as usize).max(reflecting),
             patches: patches.max(reflecting),
             direct,
+            reflected,
+            error: 0.0,
         };
         let Some(allowed) = budget.samples else {
             let patches = (PATCHES_A_SURFACE * reflecting).min(DEFAULT_PATCHES);
-            return Ok(of(patches, COARSE_AT_WILL, DIRECT[0]));
+            let coarse = (patches as f64 * COARSE) as usize;
+            let (places, error) = match guide {
+                Guide::Direct(_) => (&PLACES[..], 0.0),
+                Guide::All(_) => (&KNOWN[..], ERROR),
+            };
+            return Ok(Self {
+                error,
+                ..Self::at_will(patches, coarse, reflecting, places)
+            });
         };
         if allowed > super::MOST_SAMPLES {
             return Err(Unplannable::TooMany {
@@ -166,17 +254,17 @@ impl Division {
             });
         }
         let allowed = allowed as usize;
-        let patches = |direct: usize| {
-            let of_direct = (direct * direct) as f64;
-            let each = of_direct + COARSE * (REFLECTED * REFLECTED) as f64;
-            let least = allowed.saturating_sub(REFLECTED * REFLECTED * reflecting);
+        let patches = |[direct, reflected]: [usize; 2]| {
+            let (of_direct, of_coarse) = ((direct * direct) as f64, reflected * reflected);
+            let each = of_direct + COARSE * of_coarse as f64;
+            let least = allowed.saturating_sub(of_coarse * reflecting);
             (allowed as f64 / each).min(least as f64 / of_direct) as usize
         };
-        let direct = DIRECT
+        let places = PLACES
             .into_iter()
-            .find(|&direct| patches(direct) >= ENOUGH.max(reflecting))
-            .unwrap_or(DIRECT[DIRECT.len() - 1]);
-        Ok(of(patches(direct), COARSE, direct))
+            .find(|&places| patches(places) >= ENOUGH.max(reflecting))
+            .unwrap_or(PLACES[PLACES.len() - 1]);
+        Ok(of(patches(places), places))
     }
 }
 
@@ -213,6 +301,7 @@ fn of_surface(
     coarse: &[(usize, Cell)],
     fine: Vec<Refined>,
     division: &Division,
+    refinement: &Refinement<'_>,
 ) -> SurfacePlan {
     let sample = |tag| {
         move |place| Sample {
@@ -223,38 +312,53 @@ fn of_surface(
     };
     let mut samples = Vec::new();
     let mut patches = Vec::new();
+    let mut wanted = Vec::new();
     for refined in &fine {
-        let found = places::of_cell(&refined.cell, division.direct, Tag::Direct);
-        let first = samples.len();
-        let members = (first..).zip(found.iter().map(|(_, weights)| *weights));
+        let cell = &refined.cell;
+        let found = places::of_cell(cell, division.direct, Tag::Direct);
+        let (places, mut weights): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+        let dense = refinement.fit(exposed, cell);
+        if let Some([direct, _]) = dense {
+            let values = refinement.values(exposed, &places, Tag::Direct);
+            project::correct(&mut weights, &values, direct);
+        }
+        wanted.push(dense.map(|[_, reflected]| reflected));
         patches.push(Patch {
-            pieces: refined.cell.pieces.clone(),
-            center: refined.cell.center,
-            scale: refined.cell.scale,
-            area: refined.cell.area,
-            members: members.collect(),
+            pieces: cell.pieces.clone(),
+            center: cell.center,
+            scale: cell.scale,
+            area: cell.area,
+            members: (samples.len()..).zip(weights).collect(),
         });
-        let places = found.into_iter().map(|(place, _)| place);
-        samples.extend(places.map(sample(Tag::Direct)));
+        samples.extend(places.into_iter().map(sample(Tag::Direct)));
     }
     let of_direct = samples.len();
-    let mut begun: Option<(usize, usize, Vec<[f64; 3]>)> = None;
+    let mut begun: Option<Begun> = None;
     let mut order: Vec<usize> = (0..fine.len()).collect();
     order.sort_by_key(|&k| fine[k].coarse);
     for k in order {
-        let whole = fine[k].coarse;
-        if begun.as_ref().is_none_or(|(index, ..)| *index != whole) {
-            let found = places::of_cell(&coarse[whole].1, REFLECTED, Tag::Reflected);
+        let index = fine[k].coarse;
+        let whole = &coarse[index].1;
+        if begun.as_ref().is_none_or(|begun| begun.index != index) {
+            let found = places::of_cell(whole, division.reflected, Tag::Reflected);
             let (places, weights): (Vec<_>, Vec<_>) = found.into_iter().unzip();
-            begun = Some((whole, samples.len(), weights));
+            begun = Some(Begun {
+                index,
+                first: samples.len(),
+                weights,
+                values: refinement.values(exposed, &places, Tag::Reflected),
+            });
             samples.extend(places.into_iter().map(sample(Tag::Reflected)));
         }
-        let Some((_, first, weights)) = &begun else {
+        let Some(begun) = &begun else {
             continue;
         };
-        let part = |weights: &[f64; 3]| of_part(*weights, &coarse[whole].1, &fine[k].cell);
-        let members = (*first..).zip(weights.iter().map(part));
-        patches[k].members.extend(members);
+        let part = |weights: &[f64; 3]| of_part(*weights, whole, &fine[k].cell);
+        let mut weights: Vec<[f64; 3]> = begun.weights.iter().map(part).collect();
+        if let Some(wanted) = wanted[k] {
+            project::correct(&mut weights, &begun.values, wanted);
+        }
+        patches[k].members.extend((begun.first..).zip(weights));
     }
     let area: f64 = patches.iter().map(|patch| patch.area).sum();
     SurfacePlan {
@@ -263,6 +367,16 @@ fn of_surface(
         patches,
         ..SurfacePlan::without_samples(exposed.frame.clone())
     }
+}
+
+/// A coarse cell whose places are samples already.
+struct Begun {
+    index: usize,
+    /// The first of its samples.
+    first: usize,
+    weights: Vec<[f64; 3]>,
+    /// Reflected light at its places, where that is known.
+    values: Vec<f64>,
 }
 
 /// The weights of a cell's linear function, as that of a part of it.

@@ -1,7 +1,7 @@
 //! Halves the cells that fit worst.
 
 use super::exposed::{Cell, Exposed};
-use super::places;
+use super::{places, project};
 use crate::plan::{Field, Tag};
 use crate::scene::Scene;
 use glam::{DVec2, DVec3, Vec3Swizzles};
@@ -11,19 +11,35 @@ use std::collections::BinaryHeap;
 /// Places along each side of a cell at which direct light is looked at.
 const LOOKS: usize = 4;
 
+/// Places along each side of a cell at which light is fitted all over it.
+const DENSE: usize = 6;
+
 /// What counts beside the misfit of direct light: reflected light varies as
 /// well, over lengths of the scene itself, and by about this part of the mean
 /// of direct light. Between 0.1 and 1 the best for rooms is 1.
 const REFLECTED: f64 = 1.0;
 
+/// The same where reflected light is known by few patches: what these miss.
+const UNKNOWN: f64 = 0.1;
+
 /// Cells longer than wide by more than this are only halved across.
 const SLENDER: f64 = 2.5;
+
+/// Direct and reflected light at many places with their normals.
+pub type Split<'a> = dyn Fn(&[(DVec3, DVec3)]) -> Vec<[f64; 2]> + 'a;
+
+/// What is known of the light.
+#[derive(Clone, Copy)]
+pub(super) enum Guide<'a> {
+    Direct(&'a Field<'a>),
+    All(&'a Split<'a>),
+}
 
 /// The scene as refinement sees it.
 pub(super) struct Refinement<'a> {
     scene: &'a Scene,
     exposed: &'a [Option<Exposed>],
-    direct: &'a Field<'a>,
+    guide: Guide<'a>,
     /// The scene's own length in metres: the root of its area.
     length: f64,
 }
@@ -40,6 +56,12 @@ pub(super) struct Refined {
 struct Waiting {
     misfit: f64,
     refined: Refined,
+}
+
+impl Waiting {
+    fn square(&self) -> f64 {
+        self.misfit * self.misfit
+    }
 }
 
 impl PartialEq for Waiting {
@@ -71,27 +93,31 @@ impl Ord for Waiting {
 }
 
 impl<'a> Refinement<'a> {
-    pub(super) fn new(
-        scene: &'a Scene,
-        exposed: &'a [Option<Exposed>],
-        direct: &'a Field<'a>,
-    ) -> Self {
+    pub(super) fn new(scene: &'a Scene, exposed: &'a [Option<Exposed>], guide: Guide<'a>) -> Self {
         let area: f64 = scene.surfaces.iter().map(|surface| surface.area).sum();
         Self {
             scene,
             exposed,
-            direct,
+            guide,
             length: area.sqrt(),
         }
     }
 
-    /// Halves the worst cell until there are `patches`.
-    pub(super) fn refine(&self, coarse: &[(usize, Cell)], patches: usize) -> Vec<Refined> {
-        let looks: Vec<Vec<f64>> = coarse
+    /// Halves the worst cell until there are `patches`, or until what is known of
+    /// the light is followed to within `error`: the root mean square of what
+    /// patches miss of the radiosity, as a part of that of the radiosity.
+    pub(super) fn refine(
+        &self,
+        coarse: &[(usize, Cell)],
+        patches: usize,
+        error: f64,
+    ) -> Vec<Refined> {
+        let looks: Vec<Vec<[f64; 2]>> = coarse
             .iter()
             .map(|(s, cell)| self.looks(*s, cell))
             .collect();
         let mean = mean_light(coarse, &looks);
+        let most = error * error * self.square(coarse, &looks);
         let mut done = Vec::new();
         let mut heap: BinaryHeap<Waiting> = coarse
             .iter()
@@ -106,12 +132,16 @@ impl<'a> Refinement<'a> {
                 self.waiting(refined, &looks, mean)
             })
             .collect();
-        while heap.len() + done.len() < patches {
+        let mut missed: f64 = heap.iter().map(Waiting::square).sum();
+        while heap.len() + done.len() < patches && missed > most {
             let Some(worst) = heap.pop() else {
                 break;
             };
             match self.halves(&worst, mean) {
-                Some(halves) => heap.extend(halves),
+                Some(halves) => {
+                    missed += halves.iter().map(Waiting::square).sum::<f64>() - worst.square();
+                    heap.extend(halves);
+                }
                 None => done.push(worst.refined),
             }
         }
@@ -155,38 +185,94 @@ impl<'a> Refinement<'a> {
         })
     }
 
-    fn waiting(&self, refined: Refined, looks: &[f64], mean: f64) -> Waiting {
+    fn waiting(&self, refined: Refined, looks: &[[f64; 2]], mean: f64) -> Waiting {
         let cell = &refined.cell;
-        let reflectance = self.scene.surfaces[refined.surface].reflectance;
-        let [r, g, b] = reflectance;
-        let varies = REFLECTED * mean * cell.scale / self.length;
+        let unknown = match self.guide {
+            Guide::Direct(_) => REFLECTED,
+            Guide::All(_) => UNKNOWN,
+        };
+        let varies = unknown * mean * cell.scale / self.length;
+        let weight = self.reflectance(refined.surface) * cell.area.sqrt();
         Waiting {
-            misfit: (r + g + b) / 3.0 * cell.area.sqrt() * (residual(cell, looks) + varies),
+            misfit: weight * (residual(cell, looks) + varies),
             refined,
         }
     }
 
-    /// Direct light at places spread over a cell.
-    fn looks(&self, surface: usize, cell: &Cell) -> Vec<f64> {
+    /// The mean of a surface's channels.
+    fn reflectance(&self, surface: usize) -> f64 {
+        let [r, g, b] = self.scene.surfaces[surface].reflectance;
+        (r + g + b) / 3.0
+    }
+
+    /// The square of the radiosity over the area.
+    fn square(&self, cells: &[(usize, Cell)], looks: &[Vec<[f64; 2]>]) -> f64 {
+        let of = |((surface, cell), looks): (&(usize, Cell), &Vec<[f64; 2]>)| {
+            let total: f64 = looks.iter().flatten().sum();
+            let mean = total / looks.len().max(1) as f64;
+            cell.area * (self.reflectance(*surface) * mean).powi(2)
+        };
+        cells.iter().zip(looks).map(of).sum()
+    }
+
+    /// Direct and reflected light at places spread over a cell; without reflected
+    /// light where it is not known.
+    fn looks(&self, surface: usize, cell: &Cell) -> Vec<[f64; 2]> {
         let Some(exposed) = &self.exposed[surface] else {
             return Vec::new();
         };
+        let places = places::of_cell(cell, LOOKS, Tag::Direct);
+        let places: Vec<[f64; 2]> = places.into_iter().map(|(place, _)| place).collect();
+        self.light(exposed, &places)
+    }
+
+    fn light(&self, exposed: &Exposed, places: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let frame = &exposed.frame;
-        let places: Vec<(DVec3, DVec3)> = places::of_cell(cell, LOOKS, Tag::Direct)
-            .into_iter()
-            .map(|([u, v], _)| (frame.to_world(u, v), frame.normal))
+        let places: Vec<(DVec3, DVec3)> = places
+            .iter()
+            .map(|&[u, v]| (frame.to_world(u, v), frame.normal))
             .collect();
-        (self.direct)(&places)
+        match self.guide {
+            Guide::Direct(direct) => direct(&places).into_iter().map(|e| [e, 0.0]).collect(),
+            Guide::All(light) => light(&places),
+        }
+    }
+
+    /// One kind of light at places of a surface; none where it is not asked for.
+    pub(super) fn values(&self, exposed: &Exposed, places: &[[f64; 2]], kind: Tag) -> Vec<f64> {
+        if matches!(self.guide, Guide::Direct(_)) {
+            return Vec::new();
+        }
+        let of_kind = usize::from(kind == Tag::Reflected);
+        let light = self.light(exposed, places).into_iter();
+        light.map(|values| values[of_kind]).collect()
+    }
+
+    /// The linear functions that direct and reflected light are best fitted by all
+    /// over a cell, where both are known.
+    pub(super) fn fit(&self, exposed: &Exposed, cell: &Cell) -> Option<[[f64; 3]; 2]> {
+        if matches!(self.guide, Guide::Direct(_)) {
+            return None;
+        }
+        let dense = places::of_cell(cell, DENSE, Tag::Direct);
+        let (places, weights): (Vec<[f64; 2]>, Vec<[f64; 3]>) = dense.into_iter().unzip();
+        let light = self.light(exposed, &places);
+        let made = |kind: usize| {
+            let values: Vec<f64> = light.iter().map(|values| values[kind]).collect();
+            project::made(&weights, &values)
+        };
+        Some([made(0), made(1)])
     }
 }
 
 /// The mean of direct light over the area.
-fn mean_light(cells: &[(usize, Cell)], looks: &[Vec<f64>]) -> f64 {
+fn mean_light(cells: &[(usize, Cell)], looks: &[Vec<[f64; 2]>]) -> f64 {
     let (sum, area) = cells
         .iter()
         .zip(looks)
         .fold((0.0, 0.0), |sum, ((_, cell), looks)| {
-            let mean = looks.iter().sum::<f64>() / looks.len().max(1) as f64;
+            let total: f64 = looks.iter().map(|[direct, _]| direct).sum();
+            let mean = total / looks.len().max(1) as f64;
             (sum.0 + cell.area * mean, sum.1 + cell.area)
         });
     if area > 0.0 { sum / area } else { 0.0 }
@@ -194,10 +280,14 @@ fn mean_light(cells: &[(usize, Cell)], looks: &[Vec<f64>]) -> f64 {
 
 /// Root of the mean square by which the linear function that the patch would
 /// have misses the values at the places of its cell.
-fn residual(cell: &Cell, looks: &[f64]) -> f64 {
+fn residual(cell: &Cell, looks: &[[f64; 2]]) -> f64 {
+    let looks: Vec<f64> = looks
+        .iter()
+        .map(|[direct, reflected]| direct + reflected)
+        .collect();
     let places = places::of_cell(cell, LOOKS, Tag::Direct);
     let center = DVec2::from(cell.center);
-    let pairs = || places.iter().zip(looks);
+    let pairs = || places.iter().zip(&looks);
     let fit: DVec3 = pairs()
         .map(|((_, weights), look)| DVec3::from(*weights) * *look)
         .sum();

@@ -1,0 +1,142 @@
+//! Plans a room by its light: a first, cheap solution tells where it falls.
+//!
+//! Between [`crate::solve`], which solves the first plan, and the commands. The
+//! kernel answers at any place; so what a few patches send is known all over the
+//! scene, smoothly, and the patches of the plan proper follow it.
+
+use crate::bake;
+use crate::occlusion::Occlusion;
+use crate::plan::{self, Field, Plan, Unplannable};
+use crate::scene::{Budget, Scene};
+use crate::solve::{self, Rung, Sight, Solution};
+use glam::DVec3;
+use isolux::shoot::Stop;
+use std::ops::Range;
+
+/// The part of the emitted power that the first solution leaves unshot.
+const UNSHOT: f32 = 0.003;
+
+/// Plans a scene with linear patches that follow the light of a first solution
+/// ([`plan::patches::following`]), seen past `occlusion` by this rung of
+/// visibility. `direct` gives direct light, which the first plan follows.
+///
+/// Where the first plan has no solution on the host, the plan is that of
+/// [`plan::patches::linear`].
+///
+/// # Errors
+/// Those of [`plan::patches::linear`].
+pub fn linear(
+    scene: &Scene,
+    budget: &Budget,
+    (occlusion, sight): (Option<&Occlusion>, Sight),
+    direct: &Field<'_>,
+) -> Result<Plan, Unplannable> {
+    let following = |light: &plan::patches::Split<'_>| {
+        plan::patches::following(scene, budget, light)
+    };
+    match flown(scene, (occlusion, sight), direct, &following) {
+        Some(plan) => plan,
+        None => plan::patches::linear(scene, budget, direct),
+    }
+}
+
+/// What is planned by the light of a first solution; `None` where that has none on
+/// the host.
+fn flown<T>(
+    scene: &Scene,
+    (occlusion, sight): (Option<&Occlusion>, Sight),
+    direct: &Field<'_>,
+    then: &dyn Fn(&plan::patches::Split<'_>) -> T,
+) -> Option<T> {
+    let first = plan::patches::first(scene, direct).ok()?;
+    let tables = bake::bake(scene, &first, occlusion.cloned()).ok()?;
+    let until = |stop| solve::solve(&tables, Rung::default(), sight, stop).ok();
+    let (once, all) = (until(Stop::Reflections(0))?, until(Stop::below(UNSHOT))?);
+    let light = |places: &[(DVec3, DVec3)]| -> Vec<[f64; 2]> {
+        let [direct, all] = [&once, &all].map(|solution| means(solution, places));
+        let pairs = direct.into_iter().zip(all);
+        pairs.map(|(direct, all)| [direct, all - direct]).collect()
+    };
+    Some(then(&light))
+}
+
+/// Why a room has no plan.
+#[derive(Debug)]
+pub enum Error {
+    /// The budget.
+    Samples(Unplannable),
+    /// A shadow, or the budget, in a room.
+    Room(plan::room::Error),
+    /// The draft of its patches is too large for the tables.
+    TooLarge(bake::TooLarge),
+    /// The kernel does not take the draft.
+    Kernel(isolux::Error),
+}
+
+impl std::fmt::Display for Error {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Samples(error) => error.fmt(f),
+            Self::Room(error) => error.fmt(f),
+            Self::TooLarge(error) => error.fmt(f),
+            Self::Kernel(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for Error {}
+
+/// Plans a room by error ([`plan::room`]): a first solution tells where patches
+/// belong, and a second one, of these patches, what samples can tell of the light.
+///
+/// # Errors
+/// [`Error`].
+pub fn room(
+    scene: &Scene,
+    budget: &Budget,
+    looking: (Option<&Occlusion>, Sight),
+    direct: &Field<'_>,
+) -> Result<Plan, Error> {
+    let (occlusion, sight) = looking;
+    let drafted = |light: &plan::patches::Split<'_>| plan::patches::draft(scene, budget, light);
+    let draft = match flown(scene, looking, direct, &drafted) {
+        Some(draft) => draft,
+        None => plan::patches::linear(scene, budget, direct),
+    };
+    let draft = draft.map_err(Error::Samples)?;
+    let tables = bake::bake(scene, &draft, occlusion.cloned()).map_err(Error::TooLarge)?;
+    let stop = Stop::below(UNSHOT);
+    let light = solve::solve(&tables, Rung::default(), sight, stop).map_err(Error::Kernel)?;
+    let luminaires = tables.counts.luminaires as usize;
+    let all = tables.counts.emitters as usize;
+    let terms = |places: &plan::room::Places, emitters: Range<usize>, sight| {
+        let dark = || vec![vec![0.0; emitters.len()]; places.len()];
+        // Places of surfaces are places: there is nothing to refuse.
+        let found = light.terms(&receivers(places), emitters.clone(), sight);
+        found.unwrap_or_else(|_| dark())
+    };
+    let known = plan::room::Known {
+        draft: &draft,
+        unshadowed: &|places| terms(places, 0..luminaires, Sight::None),
+        direct: &|places| terms(places, 0..luminaires, sight),
+        reflected: &|places| terms(places, luminaires..all, sight),
+    };
+    plan::room::plan(scene, budget, &known).map_err(Error::Room)
+}
+
+/// As the kernel takes places.
+fn receivers(places: &[(DVec3, DVec3)]) -> Vec<([f32; 3], [f32; 3])> {
+    let single = |v: DVec3| v.as_vec3().to_array();
+    places.iter().map(|&(p, n)| (single(p), single(n))).collect()
+}
+
+/// Means of the channels; 0 at what is no place.
+fn means(solution: &Solution<'_>, places: &[(DVec3, DVec3)]) -> Vec<f64> {
+    match solution.at(&receivers(places)) {
+        Ok(found) => found
+            .into_iter()
+            .map(|at| at.value.into_iter().map(f64::from).sum::<f64>() / 3.0)
+            .collect(),
+        Err(_) => vec![0.0; places.len()],
+    }
+}
