@@ -31,9 +31,8 @@ pub fn linear(
     (occlusion, sight): (Option<&Occlusion>, Sight),
     direct: &Field<'_>,
 ) -> Result<Plan, Unplannable> {
-    let following = |light: &plan::patches::Split<'_>| {
-        plan::patches::following(scene, budget, light)
-    };
+    let following =
+        |light: &plan::patches::Split<'_>| plan::patches::following(scene, budget, light);
     match flown(scene, (occlusion, sight), direct, &following) {
         Some(plan) => plan,
         None => plan::patches::linear(scene, budget, direct),
@@ -127,7 +126,10 @@ pub fn room(
 /// As the kernel takes places.
 fn receivers(places: &[(DVec3, DVec3)]) -> Vec<([f32; 3], [f32; 3])> {
     let single = |v: DVec3| v.as_vec3().to_array();
-    places.iter().map(|&(p, n)| (single(p), single(n))).collect()
+    places
+        .iter()
+        .map(|&(p, n)| (single(p), single(n)))
+        .collect()
 }
 
 /// Means of the channels; 0 at what is no place.

@@ -146,7 +146,9 @@ where
         let room = self.rooms.get(index)?.get_or_init(|| {
             let mut room = vec![L::Colour::DARK; scene.fields().room(surface)];
             // The room is as large as it has to be.
-            let _ = self.light.reconstruct::<Stencils<HostRoot>>(index, &mut room);
+            let _ = self
+                .light
+                .reconstruct::<Stencils<HostRoot>>(index, &mut room);
             room
         });
         self.light.reconstructed(index, room).ok()
@@ -159,7 +161,9 @@ where
     L: Luminance<Colour: ToChannels>,
 {
     fn solve(&mut self, stop: Stop) -> Solved {
-        self.rooms.iter_mut().for_each(|room| *room = OnceLock::new());
+        self.rooms
+            .iter_mut()
+            .for_each(|room| *room = OnceLock::new());
         self.light.solve(stop)
     }
 

@@ -74,12 +74,7 @@ impl Fields {
         }) as u32
     }
 
-    fn mesh(
-        &mut self,
-        mesh: &Mesh,
-        frame: &Frame,
-        first_sample: usize,
-    ) -> Result<u32, TooLarge> {
+    fn mesh(&mut self, mesh: &Mesh, frame: &Frame, first_sample: usize) -> Result<u32, TooLarge> {
         let nodes = |_| TooLarge { what: "nodes" };
         u16::try_from(mesh.nodes.len()).map_err(nodes)?;
         u16::try_from(mesh.samples).map_err(|_| TooLarge { what: "samples" })?;

@@ -5,8 +5,8 @@
 //! with as few samples. The budget then goes, a step at a time, to the surface whose
 //! error weighs most: an error counts with the power that the surface receives.
 
-use super::fields::tensor::{Nodes, Tensor};
 use super::fields::Field as Term;
+use super::fields::tensor::{Nodes, Tensor};
 use super::{Field, Plan, Point, Sample, SurfacePlan, Tag, Unplannable, spacing};
 use crate::scene::frame::Frame;
 use crate::scene::{Budget, Scene};
@@ -109,7 +109,10 @@ impl Ladder {
                     let values = at(&frame, &grid.places(), total);
                     let caused = lit.error(&frame, &grid, &values) / power;
                     all.extend(factors.iter().filter_map(|&factor| {
-                        let tensor = Tensor { factor, ..grid.clone() };
+                        let tensor = Tensor {
+                            factor,
+                            ..grid.clone()
+                        };
                         let error = worst(&tensor, &values, &measured, &truth)? + caused;
                         Some(Candidate { tensor, error })
                     }));
@@ -291,7 +294,9 @@ fn divide(ladders: &[Option<Ladder>], budget: &Budget) -> Result<Vec<usize>, Unp
     let count = |chosen: &[usize]| -> u64 {
         let each = ladders.iter().zip(chosen).map(|(ladder, &step)| {
             let steps = ladder.as_ref().map(|ladder| &ladder.steps);
-            steps.and_then(|steps| steps.get(step)).map_or(0, |c| c.tensor.samples())
+            steps
+                .and_then(|steps| steps.get(step))
+                .map_or(0, |c| c.tensor.samples())
         });
         each.sum::<usize>() as u64
     };
@@ -308,8 +313,14 @@ fn divide(ladders: &[Option<Ladder>], budget: &Budget) -> Result<Vec<usize>, Unp
         return Err(Unplannable::Samples { allowed, needed });
     }
     // What cannot grow within the budget is left as it is; the others go on.
-    let mut open: Vec<usize> = (0..ladders.len()).filter(|&k| ladders[k].is_some()).collect();
-    let most = ladders.iter().flatten().map(|l| l.power).fold(0.0, f64::max);
+    let mut open: Vec<usize> = (0..ladders.len())
+        .filter(|&k| ladders[k].is_some())
+        .collect();
+    let most = ladders
+        .iter()
+        .flatten()
+        .map(|l| l.power)
+        .fold(0.0, f64::max);
     let loss = |k: usize, step: usize| {
         let ladder = ladders[k].as_ref();
         ladder.map_or(0.0, |ladder| {
@@ -320,10 +331,14 @@ fn divide(ladders: &[Option<Ladder>], budget: &Budget) -> Result<Vec<usize>, Unp
         .iter()
         .max_by(|&&a, &&b| loss(a, chosen[a]).total_cmp(&loss(b, chosen[b])))
     {
-        let steps = ladders[worst].as_ref().map_or(0, |ladder| ladder.steps.len());
+        let steps = ladders[worst]
+            .as_ref()
+            .map_or(0, |ladder| ladder.steps.len());
         let step = chosen[worst];
         let well = budget.samples.is_none()
-            && ladders[worst].as_ref().is_some_and(|l| l.steps[step].error <= WELL);
+            && ladders[worst]
+                .as_ref()
+                .is_some_and(|l| l.steps[step].error <= WELL);
         let mut tried = chosen.clone();
         tried[worst] = step + 1;
         if well || step + 1 >= steps || count(&tried) > allowed {
@@ -339,7 +354,11 @@ fn divide(ladders: &[Option<Ladder>], budget: &Budget) -> Result<Vec<usize>, Unp
 /// their distance from each other.
 fn points_stand_for_surfaces(scene: &Scene, plan: &Plan) -> bool {
     plan.surfaces.iter().enumerate().all(|(index, planned)| {
-        let Some(tensor) = planned.fields.first().and_then(|field| field.tensor.as_ref()) else {
+        let Some(tensor) = planned
+            .fields
+            .first()
+            .and_then(|field| field.tensor.as_ref())
+        else {
             return true;
         };
         let rectangle = planned.frame.size_u * planned.frame.size_v;
@@ -357,17 +376,27 @@ fn points_stand_for_surfaces(scene: &Scene, plan: &Plan) -> bool {
             .map(|&[u, v]| planned.frame.to_world(u, v))
             .collect();
         let normal = planned.frame.normal;
-        scene.surfaces.iter().zip(&plan.surfaces).enumerate().all(|(other, (lit, its))| {
-            let in_front = lit.vertices.iter().any(|&v| (v - planned.frame.origin).dot(normal) > 0.0);
-            let faced = || {
-                let height = |&point: &DVec3| (point - its.frame.origin).dot(its.frame.normal);
-                points.iter().any(|point| height(point) > 0.0)
-            };
-            if other == index || !lit.reflects() || !in_front || !faced() {
-                return true;
-            }
-            points.iter().all(|&point| distance(point, &its.frame) >= near)
-        })
+        scene
+            .surfaces
+            .iter()
+            .zip(&plan.surfaces)
+            .enumerate()
+            .all(|(other, (lit, its))| {
+                let in_front = lit
+                    .vertices
+                    .iter()
+                    .any(|&v| (v - planned.frame.origin).dot(normal) > 0.0);
+                let faced = || {
+                    let height = |&point: &DVec3| (point - its.frame.origin).dot(its.frame.normal);
+                    points.iter().any(|point| height(point) > 0.0)
+                };
+                if other == index || !lit.reflects() || !in_front || !faced() {
+                    return true;
+                }
+                points
+                    .iter()
+                    .all(|&point| distance(point, &its.frame) >= near)
+            })
     })
 }
 

@@ -19,15 +19,15 @@ mod outline;
 pub mod patches;
 mod pool;
 pub mod room;
-mod share;
 pub mod shadow;
+mod share;
 mod spacing;
 
 use crate::scene::frame::Frame;
 use crate::scene::{Budget, Scene, Surface};
-use glam::DVec3;
 pub use error::error_driven;
 use fields::Field as Term;
+use glam::DVec3;
 use patches::Patch;
 use std::f64::consts::PI;
 
@@ -413,7 +413,9 @@ impl Plan {
     pub fn free_samples(&self) -> usize {
         let fields = self.surfaces.iter().flat_map(|surface| &surface.fields);
         let shadows = fields.filter(|field| field.tensor.is_some());
-        let nodes = shadows.flat_map(|field| &field.mesh).flat_map(|mesh| &mesh.nodes);
+        let nodes = shadows
+            .flat_map(|field| &field.mesh)
+            .flat_map(|mesh| &mesh.nodes);
         nodes.filter(|node| node.shares.is_empty()).count()
     }
 

@@ -150,7 +150,11 @@ impl<C: Colour> Valued<'_, '_, C> {
         let held = most.map(|part| if part > 0.0 { part } else { 0.0 });
         let sum = held[0] + held[1] + held[2];
         let [x, y, z] = held.map(|part| if sum > 0.0 { part / sum } else { 0.0 });
-        let value = a.value.times(x).plus(b.value.times(y)).plus(c.value.times(z));
+        let value = a
+            .value
+            .times(x)
+            .plus(b.value.times(y))
+            .plus(c.value.times(z));
         (value, nearest >= -1e-3)
     }
 }

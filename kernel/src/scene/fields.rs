@@ -168,7 +168,9 @@ impl<'t> Fields<'t> {
             let nodes = mesh.map_or(0, |mesh| mesh.nodes as usize);
             grid.saturating_add(samples).saturating_add(nodes)
         };
-        self.of(surface).map(of_field).fold(0, usize::saturating_add)
+        self.of(surface)
+            .map(of_field)
+            .fold(0, usize::saturating_add)
     }
 }
 
@@ -195,7 +197,11 @@ pub(super) fn check(scene: &Scene<'_>) -> Result<(), Error> {
     for (index, surface) in (0..).zip(scene.surfaces) {
         let sound = inside(surface.first_field, surface.fields, counts.fields);
         ranges(What::Surfaces, index, sound)?;
-        ranges(What::Fields, index, fields.room(surface) <= counts.room as usize)?;
+        ranges(
+            What::Fields,
+            index,
+            fields.room(surface) <= counts.room as usize,
+        )?;
     }
     for (index, field) in (0..).zip(fields.fields) {
         let there = |index: u32, count: u32| index == NONE || index < count;
@@ -212,7 +218,10 @@ pub(super) fn check(scene: &Scene<'_>) -> Result<(), Error> {
         let sound = bounded(&tensor.center) && bounded(&tensor.inverse) && bounded(&tensor.factor);
         numbers(What::Tensors, index, sound)?;
         let sides = tensor.nodes.iter().zip(tensor.matrices);
-        let sound = tensor.nodes.iter().all(|n| (1..=MOST_NODES as u32).contains(n))
+        let sound = tensor
+            .nodes
+            .iter()
+            .all(|n| (1..=MOST_NODES as u32).contains(n))
             && inside(tensor.first_sample, tensor.values() as u32, counts.samples)
             && { sides }.all(|(n, first)| inside(first, n.saturating_mul(*n), counts.matrices));
         ranges(What::Tensors, index, sound)?;

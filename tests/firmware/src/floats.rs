@@ -58,7 +58,9 @@ pub(crate) fn reconstruct(
 ) -> Result<(), Error> {
     match COUNTS.fields {
         0 => Ok(()),
-        _ => light.reconstruct::<job::Reconstruction>(surface, room).map(drop),
+        _ => light
+            .reconstruct::<job::Reconstruction>(surface, room)
+            .map(drop),
     }
 }
 
@@ -73,7 +75,9 @@ pub(crate) fn resample_row(
     out: &mut [Value],
 ) -> Result<(), Error> {
     match COUNTS.fields {
-        0 => light.resample_row::<Chosen>(surface, grid, row, out).map(drop),
+        0 => light
+            .resample_row::<Chosen>(surface, grid, row, out)
+            .map(drop),
         _ => light
             .reconstructed::<job::Reconstruction>(surface, room)?
             .row(grid, row, out),

@@ -25,7 +25,10 @@ impl Field {
     /// Values that its reconstruction needs room for, as
     /// [`isolux::scene::fields::Fields::room`] has it.
     pub fn room(&self) -> usize {
-        let grid = self.tensor.as_ref().map_or(0, |tensor| tensor.samples() + 1);
+        let grid = self
+            .tensor
+            .as_ref()
+            .map_or(0, |tensor| tensor.samples() + 1);
         let of_mesh = |mesh: &Mesh| match self.tensor {
             Some(_) => mesh.samples + mesh.nodes.len(),
             None => mesh.nodes.len(),

@@ -14,7 +14,11 @@ const NEAREST: usize = 14;
 pub fn weights(places: &[[f64; 2]], at: [f64; 2]) -> Vec<(usize, f64)> {
     let squared = |place: [f64; 2]| (place[0] - at[0]).powi(2) + (place[1] - at[1]).powi(2);
     let mut nearest: Vec<usize> = (0..places.len()).collect();
-    let by_distance = |&a: &usize, &b: &usize| squared(places[a]).total_cmp(&squared(places[b])).then(a.cmp(&b));
+    let by_distance = |&a: &usize, &b: &usize| {
+        squared(places[a])
+            .total_cmp(&squared(places[b]))
+            .then(a.cmp(&b))
+    };
     if nearest.len() > NEAREST {
         nearest.select_nth_unstable_by(NEAREST - 1, by_distance);
         nearest.truncate(NEAREST);
@@ -27,7 +31,10 @@ pub fn weights(places: &[[f64; 2]], at: [f64; 2]) -> Vec<(usize, f64)> {
         return vec![(first, 1.0)];
     }
     // In units of the farthest one's distance the matrix is of order 1.
-    let scale = nearest.last().map_or(0.0, |&last| squared(places[last])).sqrt();
+    let scale = nearest
+        .last()
+        .map_or(0.0, |&last| squared(places[last]))
+        .sqrt();
     let local: Vec<[f64; 2]> = nearest
         .iter()
         .map(|&k| [0, 1].map(|axis| (places[k][axis] - at[axis]) / scale))

@@ -60,7 +60,10 @@ pub fn split(
             .filter(|edge| !fine.contains(*edge) && split.length(**edge) > 2.0 * shortest)
             .copied()
             .collect();
-        let middles: Vec<[f64; 2]> = new.iter().map(|edge| split.middle(*edge, &edges[edge])).collect();
+        let middles: Vec<[f64; 2]> = new
+            .iter()
+            .map(|edge| split.middle(*edge, &edges[edge]))
+            .collect();
         let mut wrong: Vec<(f64, [usize; 2], f64)> = Vec::new();
         for (&edge, found) in new.iter().zip(look(&middles)) {
             let mean = (values[edge[0]] + values[edge[1]]) / 2.0;
@@ -194,6 +197,9 @@ mod tests {
         assert!(split.places.len() < 400, "{} corners", split.places.len());
         let near = |place: &&[f64; 2]| (place[0] - 0.6).abs() < 0.15;
         let of_bend = split.places.iter().filter(near).count();
-        assert!(2 * of_bend > split.places.len(), "{of_bend} corners at the bend");
+        assert!(
+            2 * of_bend > split.places.len(),
+            "{of_bend} corners at the bend"
+        );
     }
 }

@@ -52,7 +52,10 @@ impl Nodes {
                 .collect()
         };
         let mut nodes: Vec<f64> = match self {
-            Self::Gauss => GaussLegendre::new(degree).iter().map(|pair| pair.0).collect(),
+            Self::Gauss => GaussLegendre::new(degree)
+                .iter()
+                .map(|pair| pair.0)
+                .collect(),
             Self::Chebyshev => chebyshev(1.0),
             Self::Between => chebyshev(0.5 + 0.5 / outermost),
             Self::Expanded => chebyshev(1.0 / outermost),
@@ -93,7 +96,8 @@ impl Tensor {
     pub fn areas(&self) -> Vec<f64> {
         let [along_u, along_v] = [0, 1].map(|axis| self.integrals(axis));
         let rows = along_v.iter();
-        rows.flat_map(|&v| along_u.iter().map(move |&u| u * v)).collect()
+        rows.flat_map(|&v| along_u.iter().map(move |&u| u * v))
+            .collect()
     }
 
     /// The integral in metres, along an axis, of the polynomial that is 1 at one
@@ -127,7 +131,8 @@ impl Tensor {
 
     /// s at a place.
     pub fn factor_at(&self, [u, v]: [f64; 2]) -> Option<f64> {
-        self.factor.map(|[s, along_u, along_v]| s + along_u * u + along_v * v)
+        self.factor
+            .map(|[s, along_u, along_v]| s + along_u * u + along_v * v)
     }
 
     /// The polynomials through these values of its samples, or `None` where one of
@@ -164,7 +169,9 @@ impl Through<'_> {
             let t = (place[axis] - tensor.center[axis]) / tensor.half[axis];
             let angle = t.clamp(-1.0, 1.0).acos();
             let count = tensor.nodes[axis].len();
-            (0..count).map(|k| (k as f64 * angle).cos()).collect::<Vec<f64>>()
+            (0..count)
+                .map(|k| (k as f64 * angle).cos())
+                .collect::<Vec<f64>>()
         });
         let mut sum = 0.0;
         for (j, v) in of_v.iter().enumerate() {

@@ -1,8 +1,8 @@
 //! Direct light on a surface: a tensor grid of what would come unhindered, and
 //! where shadows fall a mesh of the fraction that does.
 
-use super::super::fields::tensor::{Nodes, Tensor};
 use super::super::fields::split::{Found, split};
+use super::super::fields::tensor::{Nodes, Tensor};
 use super::super::fields::{Mesh, Node, spline};
 use super::super::shadow::{self, Floor, Mesh as Outlined, Options, ShadowMap, Tag};
 use super::Known;
@@ -175,7 +175,8 @@ impl Shadows {
         floor: &Floor,
         known: &Known<'_>,
     ) -> Result<Option<Self>, shadow::Error> {
-        let luminaires = (0..scene.surfaces.len()).filter(|&k| scene.surfaces[k].emits() && k != index);
+        let luminaires =
+            (0..scene.surfaces.len()).filter(|&k| scene.surfaces[k].emits() && k != index);
         let maps: Vec<ShadowMap> = luminaires
             .map(|luminaire| ShadowMap::of(scene, index, luminaire))
             .collect::<Result<_, _>>()?;
@@ -226,7 +227,11 @@ impl Shadows {
             let whole = sums(&(known.unshadowed)(&places));
             let reflected = sums(&(known.reflected)(&places));
             let found = (0..places.len()).map(|k| Found {
-                value: if whole[k] > 0.0 { seen[k] / whole[k] } else { 0.0 },
+                value: if whole[k] > 0.0 {
+                    seen[k] / whole[k]
+                } else {
+                    0.0
+                },
                 counts: whole[k] / (seen[k] + reflected[k]).max(f64::MIN_POSITIVE),
             });
             found.collect()
@@ -251,7 +256,11 @@ impl Shadows {
         let seen = sums(&(known.direct)(&receivers));
         let whole = sums(&(known.unshadowed)(&receivers));
         let reflected = sums(&(known.reflected)(&receivers));
-        let brightest = seen.iter().zip(&reflected).map(|(a, b)| a + b).fold(0.0, f64::max);
+        let brightest = seen
+            .iter()
+            .zip(&reflected)
+            .map(|(a, b)| a + b)
+            .fold(0.0, f64::max);
         let truth = NodeTruth {
             fractions: whole
                 .iter()
@@ -279,18 +288,27 @@ impl Shadows {
     /// Adds samples, some at a time, where V is farthest off.
     fn climb(&mut self, truth: &NodeTruth) {
         let area = truth.areas.iter().sum();
-        let unknown: Vec<usize> = (0..self.places.len()).filter(|&k| self.free[k].is_none()).collect();
+        let unknown: Vec<usize> = (0..self.places.len())
+            .filter(|&k| self.free[k].is_none())
+            .collect();
         loop {
             let values = self.values(&truth.fractions, &unknown);
             let error = |k: usize| (values[k] - truth.fractions[k]) * truth.counts[k];
-            let loss = unknown.iter().map(|&k| counted(error(k)) * truth.areas[k]).sum();
+            let loss = unknown
+                .iter()
+                .map(|&k| counted(error(k)) * truth.areas[k])
+                .sum();
             self.steps.push(Step {
                 samples: self.order.len(),
                 loss,
                 area,
             });
             let used: BTreeSet<usize> = self.order.iter().copied().collect();
-            let mut worst: Vec<usize> = unknown.iter().copied().filter(|k| !used.contains(k)).collect();
+            let mut worst: Vec<usize> = unknown
+                .iter()
+                .copied()
+                .filter(|k| !used.contains(k))
+                .collect();
             if worst.is_empty() || self.order.len() >= MOST {
                 break;
             }

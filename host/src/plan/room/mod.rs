@@ -119,7 +119,9 @@ impl Surface {
     /// Of the tensor, of the shadows, of reflected light.
     fn ladders(surface: &Option<Self>) -> [&[Step]; 3] {
         let direct = surface.as_ref().and_then(|surface| surface.direct.as_ref());
-        let reflected = surface.as_ref().and_then(|surface| surface.reflected.as_ref());
+        let reflected = surface
+            .as_ref()
+            .and_then(|surface| surface.reflected.as_ref());
         [
             direct.map_or(&[], |direct| &direct.grids),
             direct.map_or(&[], |direct| direct.shadow_steps()),

@@ -118,7 +118,11 @@ impl Reflected {
                 shares::row(&parts)
             })
             .collect();
-        let all: Vec<f64> = rows.iter().zip(&direct).map(|(row, direct)| row[0] + direct).collect();
+        let all: Vec<f64> = rows
+            .iter()
+            .zip(&direct)
+            .map(|(row, direct)| row[0] + direct)
+            .collect();
         let brightest = all.iter().copied().fold(0.0, f64::max);
         if rows.iter().all(|row| row[0] <= 1e-9 * brightest) {
             return None;

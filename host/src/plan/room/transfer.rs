@@ -35,16 +35,22 @@ struct Kind {
 fn patches(planned: &SurfacePlan, draft: &SurfacePlan, known: &Known<'_>) -> Vec<Patch> {
     let frame = &planned.frame;
     let world = |[u, v]: [f64; 2]| (frame.to_world(u, v), frame.normal);
-    let kind = |receives: &[Receives], rows: &dyn Fn(&[(DVec3, DVec3)], Receives) -> Vec<Vec<f64>>| {
+    let kind = |receives: &[Receives],
+                rows: &dyn Fn(&[(DVec3, DVec3)], Receives) -> Vec<Vec<f64>>| {
         let of = |surface: &SurfacePlan, kind: Receives| -> Vec<(usize, [f64; 2], Vec<f64>)> {
             let samples = surface.samples.iter().enumerate();
             let chosen: Vec<(usize, [f64; 2])> = samples
                 .filter(|(_, sample)| sample.tag.receives() == kind)
                 .map(|(k, sample)| (k, sample.place))
                 .collect();
-            let places: Vec<(DVec3, DVec3)> = chosen.iter().map(|&(_, place)| world(place)).collect();
+            let places: Vec<(DVec3, DVec3)> =
+                chosen.iter().map(|&(_, place)| world(place)).collect();
             let rows = rows(&places, kind);
-            chosen.into_iter().zip(rows).map(|((k, place), row)| (k, place, row)).collect()
+            chosen
+                .into_iter()
+                .zip(rows)
+                .map(|((k, place), row)| (k, place, row))
+                .collect()
         };
         let mut of_draft = vec![None; draft.samples.len()];
         let mut samples = Vec::new();
@@ -63,12 +69,15 @@ fn patches(planned: &SurfacePlan, draft: &SurfacePlan, known: &Known<'_>) -> Vec
         let row = |terms: Vec<f32>| terms.into_iter().map(f64::from).collect();
         terms.into_iter().map(row).collect()
     };
-    let direct = kind(&[Receives::Unshadowed, Receives::Direct], &|places, kind| {
-        wide(match kind {
-            Receives::Unshadowed => (known.unshadowed)(places),
-            _ => (known.direct)(places),
-        })
-    });
+    let direct = kind(
+        &[Receives::Unshadowed, Receives::Direct],
+        &|places, kind| {
+            wide(match kind {
+                Receives::Unshadowed => (known.unshadowed)(places),
+                _ => (known.direct)(places),
+            })
+        },
+    );
     let reflected = kind(&[Receives::Reflected], &|places, _| {
         let rows = wide((known.reflected)(places));
         rows.iter().map(|parts| shares::row(parts)).collect()
@@ -89,9 +98,8 @@ impl Kind {
     fn members(&self, patch: &Patch) -> Vec<(usize, [f64; 3])> {
         let center = DVec2::from(patch.center);
         let mut near: Vec<&(usize, [f64; 2], Vec<f64>)> = self.samples.iter().collect();
-        let distance = |sample: &(usize, [f64; 2], Vec<f64>)| {
-            DVec2::from(sample.1).distance_squared(center)
-        };
+        let distance =
+            |sample: &(usize, [f64; 2], Vec<f64>)| DVec2::from(sample.1).distance_squared(center);
         near.sort_by(|a, b| distance(a).total_cmp(&distance(b)).then(a.0.cmp(&b.0)));
         near.truncate(NEAREST);
         let offered: Vec<(usize, &[f64])> = near.iter().map(|s| (s.0, s.2.as_slice())).collect();
