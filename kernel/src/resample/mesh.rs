@@ -24,15 +24,17 @@ pub(super) fn values<C: Colour>(mesh: &Mesh, fields: Fields<'_>, samples: &[C], 
     }
 }
 
-/// A mesh with the values of its nodes, on a surface of this size.
+/// A mesh with the values of its nodes. Places on it are in 65 535ths of the surface's
+/// width and height, as its nodes are: no length of the scene is too small for it.
 #[derive(Clone, Copy)]
 pub(super) struct Valued<'a, 't, C> {
     pub(super) nodes: &'t [Node],
     pub(super) triangles: &'t [[u16; 3]],
     pub(super) values: &'a [C],
-    /// Metres for 1 of a node's place.
-    pub(super) unit: [f32; 2],
 }
+
+/// The far ends of a surface, in the unit of nodes' places.
+pub(super) const END: f32 = u16::MAX as f32;
 
 /// A corner of a triangle.
 #[derive(Clone, Copy)]
@@ -54,7 +56,7 @@ impl<C: Colour> Valued<'_, '_, C> {
         let [u, v] = node.map_or([0; 2], |node| node.place);
         let value = self.values.get(usize::from(index)).copied();
         Corner {
-            place: [f32::from(u) * self.unit[0], f32::from(v) * self.unit[1]],
+            place: [f32::from(u), f32::from(v)],
             value: value.unwrap_or(C::DARK),
         }
     }
@@ -65,13 +67,8 @@ impl<C: Colour> Valued<'_, '_, C> {
     ///
     /// Two triangles with a common edge never both have a column, and never leave
     /// one out: both find the edge's crossing by the same sum.
-    pub(super) fn spans(
-        &self,
-        v: f32,
-        columns: u32,
-        step: f32,
-        mut paint: impl FnMut(Range<usize>, C, C),
-    ) {
+    pub(super) fn spans(&self, v: f32, columns: u32, mut paint: impl FnMut(Range<usize>, C, C)) {
+        let step = END / columns as f32;
         for &[a, b, c] in self.triangles {
             let mut crossings = [self.crossing(a, b, v), self.crossing(b, c, v), None];
             if crossings[0].is_none() || crossings[1].is_none() {
@@ -87,14 +84,14 @@ impl<C: Colour> Valued<'_, '_, C> {
                 (other, one)
             };
             let width = right.u - left.u;
-            let first = column_from(left.u, columns, step);
-            let end = column_from(right.u, columns, step);
+            let first = column_from(left.u / step, columns);
+            let end = column_from(right.u / step, columns);
             if first < end && width > 0.0 {
-                let slope = 1.0 / width;
-                let slope = right.value.zip(left.value, |r, l| (r - l) * slope);
-                let off = (first as f32 + 0.5) * step - left.u;
-                let value = left.value.plus(slope.times(off));
-                paint(first as usize..end as usize, value, slope.times(step));
+                let rise = right.value.zip(left.value, |r, l| r - l);
+                let part = ((first as f32 + 0.5) * step - left.u) / width;
+                let value = left.value.plus(rise.times(part));
+                let slope = rise.times(step / width);
+                paint(first as usize..end as usize, value, slope);
             }
         }
     }
@@ -120,7 +117,15 @@ impl<C: Colour> Valued<'_, '_, C> {
     /// corner or edge of it. Dark where there are no triangles.
     ///
     /// Cost: about 60 instructions a triangle.
-    pub(super) fn at(&self, [u, v]: [f32; 2]) -> (C, bool) {
+    pub(super) fn at(&self, place: [f32; 2]) -> (C, bool) {
+        // A place beyond the surface, or none, counts as one on its outline.
+        let [u, v] = place.map(|x| {
+            if x > 0.0 {
+                if x < END { x } else { END }
+            } else {
+                0.0
+            }
+        });
         let (mut nearest, mut most, mut value) = (f32::NEG_INFINITY, [0.0; 3], None);
         for &indices in self.triangles {
             let corners = indices.map(|index| self.corner(index));
@@ -159,10 +164,10 @@ impl<C: Colour> Valued<'_, '_, C> {
     }
 }
 
-/// The first column whose centre is not left of `u`.
+/// The first column whose centre is not left of `u`, in columns.
 #[inline(always)]
-fn column_from(u: f32, columns: u32, step: f32) -> u32 {
-    let x = u / step - 0.5;
+fn column_from(u: f32, columns: u32) -> u32 {
+    let x = u - 0.5;
     let below = x as u32; // 0 for what is less, the largest for what is more
     let column = below.saturating_add(u32::from((below as f32) < x));
     if column < columns { column } else { columns }

@@ -34,7 +34,7 @@ use crate::scene::records::Surface;
 use crate::shoot::Light;
 use crate::transfer::Transfer;
 use core::marker::PhantomData;
-use mesh::Valued;
+use mesh::{END, Valued};
 use tensor::Line;
 
 /// How a row was resampled.
@@ -263,7 +263,6 @@ impl<'t, 'a, Q: Reconstruction, C: Colour> Reconstructed<'t, 'a, Q, C> {
                     nodes: fields.nodes(mesh),
                     triangles: fields.triangles(mesh),
                     values: take(mesh.nodes as usize),
-                    unit: surface.size.map(|length| length / f32::from(u16::MAX)),
                 };
                 (mesh, valued)
             });
@@ -279,13 +278,15 @@ impl<'t, 'a, Q: Reconstruction, C: Colour> Reconstructed<'t, 'a, Q, C> {
     /// Cost: for a tensor grid 2 operations a sample, for a mesh 60 instructions a
     /// triangle.
     pub fn at(&self, [u, v]: [f32; 2]) -> C {
+        let [width, height] = self.surface.size;
+        let place = [u / width * END, v / height * END];
         let mut sum = C::DARK;
         for Made { tensor, mesh } in self.made() {
             let whole = tensor.map(|(tensor, grid)| Line::at(tensor, grid, v).value(u));
             let value = match (whole, mesh) {
                 (Some(whole), None) => whole,
                 (Some(whole), Some((mesh, valued))) => {
-                    let (fraction, inside) = valued.at([u, v]);
+                    let (fraction, inside) = valued.at(place);
                     let fraction = fraction.map(held);
                     if inside || mesh.outside < 0.0 {
                         whole.zip(fraction, |all, fraction| all * fraction)
@@ -293,7 +294,7 @@ impl<'t, 'a, Q: Reconstruction, C: Colour> Reconstructed<'t, 'a, Q, C> {
                         whole.times(mesh.outside)
                     }
                 }
-                (None, Some((_, valued))) => valued.at([u, v]).0.map(lit),
+                (None, Some((_, valued))) => valued.at(place).0.map(lit),
                 (None, None) => C::DARK,
             };
             sum = sum.plus(value);
@@ -345,7 +346,8 @@ impl<'t, 'a, Q: Reconstruction, C: Colour> Reconstructed<'t, 'a, Q, C> {
             let Some((_, valued)) = mesh else {
                 continue;
             };
-            valued.spans(v, columns, step, |span, first, slope| {
+            let line_of_mesh = (row as f32 + 0.5) / rows as f32 * END;
+            valued.spans(line_of_mesh, columns, |span, first, slope| {
                 let mut value = first;
                 let start = span.start as u32;
                 let cells = out.get_mut(span).unwrap_or_default();

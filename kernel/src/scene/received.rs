@@ -33,7 +33,7 @@ impl<'t> Scene<'t> {
         };
         let shape = self.shapes.get(index);
         if let Some(shape) = shape.filter(|_| emitter.loops == 0) {
-            return Bracket::exactly(self.from_point(receiver, emitter, shape, radiosity));
+            return Bracket::exactly(self.of_point(receiver, emitter, shape, radiosity));
         }
         let occluded = V::CAPACITIES.occluders && shape.is_some_and(|shape| shape.blockers > 0);
         if L::COEFFICIENTS == 1 && !occluded {
@@ -77,7 +77,7 @@ impl<'t> Scene<'t> {
     /// (π r²), A being the area it stands for. It stands for it where the receiver
     /// is farther than the points are from each other.
     #[inline(always)]
-    fn from_point<L: Luminance>(
+    fn of_point<L: Luminance>(
         &self,
         receiver: &Receiver<f32>,
         emitter: &Emitter,
