@@ -6,6 +6,9 @@
 //! The device's part is skipped, loudly, where the emulator or the Rust target
 //! is missing; with `ISOLUX_REQUIRE_QEMU=1` that is a failure instead.
 
+#[path = "trade/room.rs"]
+mod room;
+
 use isolux_host::device;
 use isolux_host::solve::FormFactorRung;
 use isolux_host::trade::error::{self, SuiteErrors};

@@ -1,11 +1,12 @@
 //! Against irradiances by other systems.
 
 use crate::fixtures::{file_scene, triple, vector};
-use crate::{Place, baked, followed, single};
+use crate::{Place, baked, followed, planned, single};
 use glam::{DQuat, DVec3};
 use isolux::shoot::Stop;
 use isolux_host::bake::{self, Tables};
 use isolux_host::occlusion::Occlusion;
+use isolux_host::plan::Plan;
 use isolux_host::scene::Scene;
 use isolux_host::solve::{self, Rung, Sight};
 use serde_json::Value;
@@ -133,35 +134,39 @@ fn all_light_is_that_of_the_references() {
     }
 }
 
-/// A plan for all luminaires of the office at full power serves when only one of
-/// them shines: judged by a finer plan made for that light.
+/// A plan for all luminaires of the office at full power serves no worse than one
+/// that knows direct light alone when only one of them shines: judged by a finer
+/// plan made for that light.
 #[test]
 fn a_plan_serves_when_luminaires_are_switched() {
-    let (mut file, _) = read(OFFICE).planned(None);
+    let mut file = read(OFFICE);
     let occlusion = Occlusion::of(&file.scene).expect("few vertices");
     file.scene.budget.samples = Some(800);
-    let plan = followed(&file.scene);
-    let surfaces = file.scene.surfaces.clone();
-    let mut luminaires = surfaces.iter().enumerate().filter(|(_, s)| s.emits());
-    let (kept, _) = luminaires.next().expect("luminaires");
-    for (index, _) in luminaires {
+    let plans = [followed(&file.scene), planned(&file.scene)];
+    let surfaces = file.scene.surfaces.iter().enumerate();
+    let luminaires = surfaces.filter(|(_, surface)| surface.emits());
+    let switched: Vec<usize> = luminaires.map(|(index, _)| index).skip(1).collect();
+    for index in switched {
         file.scene.surfaces[index].radiance = [0.0; 3];
     }
-    assert!(file.scene.surfaces[kept].emits());
-    let tables = bake::bake(&file.scene, &plan, Some(occlusion.clone())).expect("tables");
     file.scene.budget.samples = None;
-    let finer = bake::bake(&file.scene, &followed(&file.scene), Some(occlusion));
-    let finer = finer.expect("tables");
-    let answers = [&tables, &finer].map(|tables| {
-        let solution = solve::solve(tables, Rung::Best, Sight::Exact, Stop::below(1e-3));
-        let solution = solution.expect("a solution");
+    let answers = |plan: &Plan| -> Vec<f64> {
+        let tables = bake::bake(&file.scene, plan, Some(occlusion.clone())).expect("tables");
+        let stop = Stop::below(1e-3);
+        let solution = solve::solve(&tables, Rung::Best, Sight::Exact, stop).expect("a solution");
         let answers = solution.at(&single(&file.places)).expect("receivers");
-        answers.iter().map(|at| at.value[0]).collect::<Vec<f32>>()
+        answers.iter().map(|at| f64::from(at.value[0])).collect()
+    };
+    let finer = answers(&followed(&file.scene));
+    let [followed, planned] = plans.map(|plan| {
+        let pairs = answers(&plan).into_iter().zip(&finer);
+        let errors: Vec<f64> = pairs
+            .map(|(got, finer)| (got / finer - 1.0).abs())
+            .collect();
+        [0.5, 0.95].map(|q| quantile(errors.clone(), q))
     });
-    let pairs = answers[0].iter().zip(&answers[1]);
-    let errors: Vec<f64> = pairs.map(|(a, b)| f64::from((a / b - 1.0).abs())).collect();
-    let [median, p95] = [0.5, 0.95].map(|q| quantile(errors.clone(), q));
-    println!("office, one luminaire: median {median:.2e}, p95 {p95:.2e}");
-    assert!(median <= 5e-3, "{median:e}");
-    assert!(p95 <= 2e-2, "{p95:e}");
+    println!("office, one luminaire: median and p95 {followed:?}, by direct light {planned:?}");
+    assert!(followed[0] <= 1.1 * planned[0], "{followed:?} {planned:?}");
+    assert!(followed[1] <= 1.1 * planned[1], "{followed:?} {planned:?}");
+    assert!(followed[1] <= 5e-2, "{followed:?}");
 }

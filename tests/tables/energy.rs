@@ -75,6 +75,7 @@ fn patches(surface: &scene::Surface, side: usize) -> SurfacePlan {
                 corner(i, j + 1),
             ]],
             members: vec![samples.len()],
+            weights: Vec::new(),
             area: surface.area / (side * side) as f64,
         });
         let middle = frame.cell_center(i, j, side, side);

@@ -1,6 +1,7 @@
 //! What light can reach of a surface, cut into cells.
 
 use super::shapes::{Ring, bounds, convex_pieces, edges, first_moment, hull, signed_area};
+use crate::occlusion::Solids;
 use crate::scene::frame::Frame;
 use crate::scene::{Scene, Surface};
 use glam::{DVec2, DVec3};
@@ -34,12 +35,12 @@ pub(super) struct Cell {
 const SLIVER: f64 = 1e-9;
 
 impl Exposed {
-    /// What is exposed of surface `index`.
-    pub(super) fn new(scene: &Scene, index: usize) -> Self {
+    /// What is exposed of surface `index`, among the solids of the scene.
+    pub(super) fn new(scene: &Scene, solids: &Solids, index: usize) -> Self {
         let surface = &scene.surfaces[index];
         let frame = Frame::new(surface);
         let outline: Ring = frame.vertices.iter().map(|&(u, v)| [u, v]).collect();
-        let covers = covers(scene, index, &frame);
+        let covers = covers(scene, solids, index, &frame);
         let shapes = if covers.is_empty() {
             vec![vec![outline]]
         } else {
@@ -123,7 +124,7 @@ impl Cell {
 }
 
 /// The outlines on a surface's plane of what covers it.
-fn covers(scene: &Scene, index: usize, frame: &Frame) -> Vec<Ring> {
+fn covers(scene: &Scene, solids: &Solids, index: usize, frame: &Frame) -> Vec<Ring> {
     let flat = scene.plane_tolerance();
     let on_plane = |place: &DVec3| (*place - frame.origin).dot(frame.normal).abs() <= flat;
     let local = |place: &DVec3| <[f64; 2]>::from(frame.to_local(*place));
@@ -134,9 +135,9 @@ fn covers(scene: &Scene, index: usize, frame: &Frame) -> Vec<Ring> {
     let polygons = (scene.surfaces.iter().enumerate())
         .filter(|&(other, surface)| other != index && hides(surface))
         .map(|(_, surface)| surface.vertices.iter().map(local).collect());
-    let bases = scene.bodies.iter().filter_map(|body| {
-        let own = body.surfaces.contains(&index);
-        let touching: Vec<[f64; 2]> = (body.surfaces.iter())
+    let bases = solids.surfaces().filter_map(|surfaces| {
+        let own = surfaces.contains(&index);
+        let touching: Vec<[f64; 2]> = (surfaces.iter())
             .flat_map(|&face| &scene.surfaces[face].vertices)
             .filter(|vertex| on_plane(vertex))
             .map(local)

@@ -17,6 +17,7 @@ mod refine;
 pub(crate) mod shapes;
 
 use super::{Field, Plan, Sample, SurfacePlan, Tag, Unplannable, spacing};
+use crate::occlusion::Solids;
 use crate::scene::frame::Frame;
 use crate::scene::{Budget, Scene};
 use exposed::{Cell, Exposed};
@@ -154,10 +155,13 @@ fn divided(
     allowed: Option<u64>,
     guide: Guide<'_>,
 ) -> Result<Plan, Unplannable> {
+    let solids = Solids::of(scene);
     let exposed: Vec<Option<Exposed>> = (0..scene.surfaces.len())
         .map(|index| {
             let surface = &scene.surfaces[index];
-            surface.reflects().then(|| Exposed::new(scene, index))
+            surface
+                .reflects()
+                .then(|| Exposed::new(scene, &solids, index))
         })
         .collect();
     let density = density(&exposed, division.patches / START);
