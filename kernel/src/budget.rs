@@ -4,13 +4,13 @@ use crate::scene::Scene;
 use crate::scene::records::{Counts, Sight};
 
 /// Bytes of RAM that [`Light`](crate::shoot::Light) takes on a 32-bit part: for
-/// every channel 4 a sample and 8 an emitter's coefficient, and 164 for the
+/// every channel 4 a sample and 8 an emitter's coefficient, and 220 for the
 /// borrowed tables and the counts.
 ///
 /// Exact on thumb targets: the firmware does not compile where `size_of` differs.
 pub const fn light_bytes(counts: &Counts) -> usize {
     let coefficients = counts.emitters as usize * counts.coefficients as usize;
-    counts.channels as usize * (4 * counts.samples as usize + 8 * coefficients) + 164
+    counts.channels as usize * (4 * counts.samples as usize + 8 * coefficients) + 220
 }
 
 /// Bytes of RAM that the workspace of [`Exact`](crate::visibility::Exact) takes

@@ -89,6 +89,8 @@ fn patches(surface: &scene::Surface, side: usize) -> SurfacePlan {
         samples,
         bands,
         patches: Vec::new(),
+        points: Vec::new(),
+        fields: Vec::new(),
         filter_radius: if surface.reflectance[0] == 0.0 {
             0.0
         } else {

@@ -1,0 +1,51 @@
+//! Surfaces put together from fields: tensor grids, meshes and their products, as
+//! laws, against the promises for the shipped scenes, and with changed tables.
+
+#[path = "fields/accuracy.rs"]
+mod accuracy;
+#[path = "fields/changed.rs"]
+mod changed;
+#[path = "fields/meshes.rs"]
+mod meshes;
+
+use glam::DVec3;
+use isolux_host::bake::{self, Tables};
+use isolux_host::occlusion::Occlusion;
+use isolux_host::pilot;
+use isolux_host::plan::{self, Plan};
+use isolux_host::reference::{Reference, Reflections};
+use isolux_host::scene::{Scene, file, shipped};
+use isolux_host::solve::Sight;
+
+/// A shipped scene.
+fn shipped_scene(name: &str) -> Scene {
+    let source = shipped::ALL.iter().find(|(file, _)| *file == name);
+    let (name, source) = source.expect("a shipped scene");
+    file::parse(name, source).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn reference(scene: &Scene, reflections: usize) -> Reference {
+    Reference::new(scene, Reflections::AtMost(reflections), &mut |_| {}).expect("a reference")
+}
+
+/// An open scene with tensor grids, whose nodes shoot.
+fn open(scene: &Scene) -> (Plan, Tables) {
+    let once = reference(scene, 1);
+    let field = |places: &[(DVec3, DVec3)]| once.irradiance_at(places);
+    let plan = plan::error_driven(scene, &scene.budget, &field).expect("a plan");
+    let plan = plan.expect("points stand for their surfaces");
+    let tables = bake::bake(scene, &plan, None).expect("tables");
+    (plan, tables)
+}
+
+/// A room with shadows.
+fn room(scene: &Scene) -> (Plan, Tables) {
+    let vertices = scene.surfaces.iter().flat_map(|s| s.vertices.clone());
+    let occlusion = Occlusion::for_receivers_within(scene, vertices.collect()).expect("occluders");
+    let direct = reference(scene, 0);
+    let field = |places: &[(DVec3, DVec3)]| direct.irradiance_at(places);
+    let looking = (Some(&occlusion), Sight::Exact);
+    let plan = pilot::room(scene, &scene.budget, looking, &field).expect("a plan");
+    let tables = bake::bake(scene, &plan, Some(occlusion)).expect("tables");
+    (plan, tables)
+}
