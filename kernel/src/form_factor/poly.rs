@@ -11,7 +11,7 @@ use core::marker::PhantomData;
 /// caps. They are named after the degree that would take with the tangent of half
 /// the angle in place of Snell's variable.
 ///
-/// Bounds of |error of F| in `f32`: 5e-5, 5e-7 and 2.5e-7, of which the fit
+/// Bounds of |error of F| in `f32`: 5e-5, 6.5e-7 and 2.5e-7, of which the fit
 /// has 4.6e-5, 3.9e-7 and 6e-11 and rounding the rest; in all positions, next to
 /// an edge too, see [`Best`](super::Best). In `f32` the eighth degree is no better
 /// than the sixth that `Best` takes; it is for `f64`, where it errs by 6e-11. No
@@ -32,7 +32,7 @@ pub struct Poly<const DEGREE: usize, R = SoftRoot>(PhantomData<R>);
 /// The rung `poly3`: |error of F| ≤ 5e-5, for previews and 8-bit output.
 pub type Poly3<R = SoftRoot> = Poly<2, R>;
 
-/// The rung `poly5`: |error of F| ≤ 5e-7.
+/// The rung `poly5`: |error of F| ≤ 6.5e-7.
 pub type Poly5<R = SoftRoot> = Poly<4, R>;
 
 /// The rung `poly8`: |error of F| ≤ 2.5e-7.
