@@ -24,14 +24,14 @@ const ALLOWANCE: f64 = 1.03;
 
 /// The laws: the largest |F − exact| of all classes, and of those in which a
 /// receiver may be close to an edge or to the plane. The fits err
-/// relatively by 6.8e-5, 3.0e-7 and 1e-10 (`poly3`, `poly5`, `poly8`), and the sum
+/// relatively by 4.6e-5, 3.9e-7 and 6e-11 (`poly3`, `poly5`, `poly8`), and the sum
 /// of |angles| over a turn is at most 1 for a convex loop. `libm` and `micromath`
 /// are yardsticks: theirs are what they are; words turn an edge by u L/h.
 const LAWS: [(&str, f64, f64); 8] = [
     ("libm", 1.9e-4, 6e-2),
     ("micromath", 5e-2, 1e-1),
-    ("poly3", 7.5e-5, 7.5e-5),
-    ("poly5", 5e-7, 5e-7),
+    ("poly3", 5e-5, 5e-5),
+    ("poly5", 6.5e-7, 6.5e-7),
     ("poly8", 2.5e-7, 2.5e-7),
     ("best", 2.5e-7, 2.5e-7),
     ("q24", 5e-6, 2e-1),
@@ -91,11 +91,9 @@ fn no_error_is_above_its_committed_value_or_its_law() {
 fn no_rung_costs_more_than_committed() {
     let committed = read("trade.csv");
     assert_eq!(committed[0].join(","), table::COLUMNS);
-    let (rows, missing) = match form_factors(|_| ()) {
-        Ok(found) => found,
-        Err(error) => panic!("{error}"),
-    };
-    if let Some(error) = missing {
+    let found = form_factors(|_| ()).unwrap_or_else(|error| panic!("{error}"));
+    let rows = found.rungs;
+    if let Some(error) = found.missing {
         let required = std::env::var_os("ISOLUX_REQUIRE_QEMU").is_some();
         assert!(!required, "{error}");
         eprintln!("SKIPPED: {error}");
@@ -124,7 +122,8 @@ fn no_rung_costs_more_than_committed() {
         }),
     ];
     for (name, of) in figures {
-        let committed = column(&committed, name, 1);
+        let mut committed = column(&committed, name, 1);
+        committed.remove(table::CLIP);
         assert_eq!(committed.len(), rows.len(), "{name}; see {COMMAND}");
         for row in &rows {
             let (got, known) = (of(row).expect("measured"), committed[row.rung]);
@@ -134,6 +133,23 @@ fn no_rung_costs_more_than_committed() {
                 row.rung
             );
         }
+    }
+}
+
+/// The work of an edge, and what it may take of a Cortex-M4F's estimated cycles
+/// without translation and clip; and what those may take.
+#[test]
+fn edges_take_the_cycles_they_may() {
+    let committed = column(&read("trade.csv"), "m4f_cycles_per_edge", 1);
+    let clip = committed[table::CLIP];
+    assert!(clip <= 25.0, "translation and clip: {clip}");
+    for (rung, allowed) in [("poly5", 90.0), ("poly8", 100.0), ("best", 115.0)] {
+        let edge = committed[rung] - clip;
+        assert!(edge <= allowed, "{rung}: {edge}");
+    }
+    // Without FPU the vertices' directions are the work: with translation and clip.
+    for rung in ["q24", "q29"] {
+        assert!(committed[rung] <= 300.0, "{rung}: {}", committed[rung]);
     }
 }
 

@@ -56,8 +56,8 @@ fn allowed(rung: Option<FormFactorRung>, view: &View) -> f64 {
         "libm" => count * (6.0 * single).sqrt() / std::f64::consts::TAU + near,
         // A root that errs by 6 % and an arc tangent by 3e-3, of every edge.
         "micromath" => 2e-2 * count + near,
-        "poly3" => 7.5e-5 * turns(view) + near,
-        "poly5" => 5e-7 * turns(view) + near,
+        "poly3" => 5e-5 * turns(view) + near,
+        "poly5" => 6.5e-7 * turns(view) + near,
         "q24" => 5e-6 * turns(view) + 0.5 / f64::from(1 << 25) * conditioning,
         "q29" => 5e-8 * turns(view) + 0.5 / f64::from(1 << 30) * conditioning,
         _ => 2.5e-7 * turns(view) + near,

@@ -12,7 +12,7 @@ use crate::report::{Progress, write_file};
 use crate::solve::FormFactorRung;
 use crate::trade::room::InRoom;
 use crate::trade::scene::{InScene, Judged};
-use crate::trade::{self, FormFactors, table};
+use crate::trade::{self, Clip, FormFactors, Trade, table};
 use clap::Args;
 use serde::Serialize;
 use std::io::Write;
@@ -46,6 +46,7 @@ pub(super) struct Arguments {
 #[derive(Serialize)]
 struct Traded<'a> {
     form_factors: &'a [FormFactors],
+    clip: Option<Clip>,
     scene: Option<SceneTraded<'a>>,
     /// Why the device's figures are missing.
     missing: Option<String>,
@@ -83,7 +84,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     if let (true, Some(planned)) = (arguments.without_arithmetic, &planned) {
         return rooms::run(arguments, &planned.scene, json, step);
     }
-    let (rows, missing) = trade::form_factors(step).map_err(|error| Failure::limit(error, ""))?;
+    let measured = trade::form_factors(step).map_err(|error| Failure::limit(error, ""))?;
+    let Trade {
+        rungs: rows,
+        clip,
+        missing,
+    } = measured;
     let missing = missing.map(|error| error.to_string());
     if let Some(missing) = &missing {
         // A closed stderr leaves nobody to tell.
@@ -117,11 +123,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         }
         None => None,
     };
-    let files = write(arguments, &rows, scene.as_ref())?;
+    let files = write(arguments, (&rows, clip.as_ref()), scene.as_ref())?;
     let mut out = std::io::stdout().lock();
     if json {
         let traded = Traded {
             form_factors: &rows,
+            clip,
             scene: scene.as_ref().map(|scene| SceneTraded {
                 name: &scene.name,
                 reflections: scene.reflections,
@@ -143,6 +150,9 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
             "cost of a quad's on a Cortex-M4F, cycles estimated; on M3: instructions there; front: * absolute, o relative"
         )?;
         writeln!(out, "{}", table::terminal(&rows))?;
+        if let Some(clip) = &clip {
+            writeln!(out, "{}", table::clip_terminal(clip))?;
+        }
         if let Some(OfScene {
             name,
             reflections: times,
@@ -168,13 +178,13 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
 /// Writes the files and gives their names.
 fn write(
     arguments: &Arguments,
-    rows: &[FormFactors],
+    (rows, clip): (&[FormFactors], Option<&Clip>),
     scene: Option<&OfScene>,
 ) -> Result<Vec<String>, Failure> {
     let picture = plot(rows).and_then(|picture| picture.png());
     let picture = picture.map_err(|error| Failure::limit(error, ""))?;
     let mut files = vec![
-        ("trade.csv", table::csv(rows).into_bytes()),
+        ("trade.csv", table::csv(rows, clip).into_bytes()),
         ("trade-classes.csv", table::classes_csv(rows).into_bytes()),
         ("trade.png", picture),
     ];

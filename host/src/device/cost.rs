@@ -19,7 +19,7 @@ pub(super) const PROGRAM: &str = "cost";
 /// What calls of one operation cost.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cost {
-    /// The operation: `form-factor`, `outline` or `delta-form-factors`.
+    /// The operation: `form-factor`, `ready-sum`, `outline` or `delta-form-factors`.
     pub operation: String,
     /// The rung of arithmetic; `-` where there is none.
     pub rung: String,

@@ -30,6 +30,9 @@ const OCTAGON: usize = 8;
 /// The case from which the cost of an edge is taken.
 const WHOLE: &str = "large-unclipped";
 
+/// The rung whose form factor is measured without its clip as well.
+const CLIPPING: &str = "poly5";
+
 /// How long one emulation may take; a trace writes a line an instruction.
 const TIME_LIMIT: Duration = Duration::from_secs(300);
 
@@ -95,14 +98,34 @@ impl FormFactors {
     }
 }
 
-/// Every rung on the suite, and why costs on the device are missing, if so.
+/// What a loop above the horizon pays for the horizon and for being brought to
+/// the receiver, on the Cortex-M4F: a form factor of [`CLIPPING`] less the same sum
+/// over vertices that are relative to the receiver already and are not tested.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Clip {
+    /// Estimated cycles of a quad, the test of its facing included.
+    pub m4f_cycles: f64,
+    /// Those of one edge more.
+    pub m4f_cycles_per_edge: f64,
+}
+
+/// Every rung measured.
+#[derive(Debug)]
+pub struct Trade {
+    /// The rungs, in the order of the ladder.
+    pub rungs: Vec<FormFactors>,
+    /// The horizon by itself; `None` where nothing was traced.
+    pub clip: Option<Clip>,
+    /// Why costs on the device are missing, if so.
+    pub missing: Option<device::Error>,
+}
+
+/// Every rung on the suite.
 ///
 /// # Errors
 /// [`device::Error`] where the device's program does not build or end; what is
 /// missing is no error.
-pub fn form_factors(
-    mut progress: impl FnMut(&str),
-) -> Result<(Vec<FormFactors>, Option<device::Error>), device::Error> {
+pub fn form_factors(mut progress: impl FnMut(&str)) -> Result<Trade, device::Error> {
     progress("counting instructions");
     let (measured, missing) = optional(OnDevice::measure(&mut progress))?;
     progress("judging form factors");
@@ -121,8 +144,13 @@ pub fn form_factors(
         })
         .collect();
     mark(&mut rows);
+    let clip = measured.as_ref().and_then(OnDevice::clip);
     let missing = missing.or(measured.and_then(|measured| measured.missing));
-    Ok((rows, missing))
+    Ok(Trade {
+        rungs: rows,
+        clip,
+        missing,
+    })
 }
 
 /// Marks the rungs on the fronts.
@@ -191,6 +219,26 @@ impl OnDevice {
         })
     }
 
+    /// Cycles of a call of an operation on the emitter that is seen whole.
+    fn whole(&self, of: impl Fn(&device::Cost) -> bool, size: usize) -> Option<f64> {
+        let is_it = |cost: &device::Cost| of(cost) && cost.size == size && cost.case == WHOLE;
+        let found = self.traced.iter().find(|traced| is_it(&traced.cost))?;
+        Some(cycles(found))
+    }
+
+    /// The horizon by itself.
+    fn clip(&self) -> Option<Clip> {
+        let difference = |size| {
+            let whole = self.whole(|cost| cost.rung == CLIPPING, size)?;
+            Some(whole - self.whole(|cost| cost.operation == "ready-sum", size)?)
+        };
+        let (quad, octagon) = (difference(QUAD)?, difference(OCTAGON)?);
+        Some(Clip {
+            m4f_cycles: quad,
+            m4f_cycles_per_edge: (octagon - quad) / (OCTAGON - QUAD) as f64,
+        })
+    }
+
     /// The costs of a rung; `None` where the device's program lacks it.
     fn cost(&self, rung: &str) -> Option<DeviceCost> {
         let of = |cost: &device::Cost| cost.operation == "form-factor" && cost.rung == rung;
@@ -212,16 +260,9 @@ impl OnDevice {
         let m4f = of_root(&self.m4f);
         let root = m4f.first().map(|cost| &cost.root);
         let dearest = m4f.iter().filter(|cost| cost.size == QUAD);
-        let this = |traced: &&Traced| of(&traced.cost) && Some(&traced.cost.root) == root;
-        let traced: Vec<&Traced> = self.traced.iter().filter(this).collect();
-        let cycles = |traced: &&Traced| traced.cycles as f64 / f64::from(traced.cost.calls.max(1));
-        let whole = |size: usize| {
-            let mut of_whole = traced.iter();
-            let found =
-                of_whole.find(|traced| traced.cost.size == size && traced.cost.case == WHOLE);
-            found.map(cycles)
-        };
-        let of_quads = traced.iter().filter(|traced| traced.cost.size == QUAD);
+        let this = |cost: &device::Cost| of(cost) && Some(&cost.root) == root;
+        let traced = self.traced.iter().filter(|traced| this(&traced.cost));
+        let of_quads = traced.filter(|traced| traced.cost.size == QUAD);
         let alone = |flash: &'_ [Flash]| {
             let found = flash.iter().find(|flash| flash.rung == rung)?;
             Some((found.code_bytes, found.constant_bytes))
@@ -232,8 +273,9 @@ impl OnDevice {
             m4f_largest: dearest.map(|cost| cost.largest).max()?,
             m7_instructions: quads(&self.m7)?,
             m4f_cycles: mean(of_quads.map(cycles)),
-            m4f_cycles_per_edge: whole(OCTAGON)
-                .zip(whole(QUAD))
+            m4f_cycles_per_edge: self
+                .whole(this, OCTAGON)
+                .zip(self.whole(this, QUAD))
                 .map(|(octagon, quad)| (octagon - quad) / (OCTAGON - QUAD) as f64),
             m3_instructions: quads(&self.m3),
             code_bytes,
@@ -241,6 +283,11 @@ impl OnDevice {
             m3_code_bytes: alone(&self.m3_flash).map(|(code, _)| code),
         })
     }
+}
+
+/// Cycles of a call on the average.
+fn cycles(traced: &Traced) -> f64 {
+    traced.cycles as f64 / f64::from(traced.cost.calls.max(1))
 }
 
 /// The mean; `None` of nothing.

@@ -2,12 +2,12 @@
 
 use super::error::largest_and_p95;
 use super::{TIME_LIMIT, optional};
-use crate::bake::Tables;
+use crate::bake::{self, Tables};
 use crate::device::{self, Core, Job, Options};
 use crate::plan::Plan;
 use crate::reference::Reference;
 use crate::scene::Scene;
-use crate::solve::{self, Rung, Sight};
+use crate::solve::{self, FormFactorRung, Sight};
 use glam::DVec3;
 use isolux::shoot::Stop;
 use serde::Serialize;
@@ -52,6 +52,9 @@ pub struct SceneCost {
     pub m4f_instructions: u64,
     /// Instructions on the Cortex-M7.
     pub m7_instructions: u64,
+    /// Instructions on the Cortex-M3 of the rungs in integers; `None` of the
+    /// others, and where its Rust target is missing.
+    pub m3_instructions: Option<u64>,
     /// Bytes of kernel code in a program with this rung alone.
     pub kernel_code_bytes: u64,
 }
@@ -116,12 +119,17 @@ pub fn scene(
     progress("evaluating the reference");
     let fields = fields(judged);
     let mut rows = Vec::new();
-    for rung in Rung::ALL {
+    let words = in_words(judged);
+    for rung in FormFactorRung::ALL {
+        let tables = match (rung.is_integer(), &words) {
+            (false, _) => judged.tables,
+            (true, Some(words)) => words,
+            (true, None) => continue,
+        };
         progress(&format!("{} in {}", rung.name(), judged.scene.name));
         let errors = |reflections, exact: fn(&Field) -> &[f64]| {
             let stop = Stop::Reflections(reflections);
-            let solution =
-                solve::solve(judged.tables, rung, judged.sight, stop).map_err(Error::Kernel)?;
+            let solution = solve::solve(tables, rung, judged.sight, stop).map_err(Error::Kernel)?;
             let mut errors = Vec::new();
             for field in &fields {
                 let exact = exact(field);
@@ -139,7 +147,11 @@ pub fn scene(
             direct: errors(0, |field| &field.direct)?,
             all: errors(judged.reflections, |field| &field.all)?,
             device: match on_device {
-                true => optional(cost(judged, rung)).map_err(Error::Device)?.0,
+                true => {
+                    optional(cost(judged, tables, rung))
+                        .map_err(Error::Device)?
+                        .0
+                }
                 false => None,
             },
         });
@@ -178,13 +190,24 @@ fn summary(mut errors: Vec<f64>) -> PlaceErrors {
     PlaceErrors { max, p95, rms }
 }
 
-/// Direct light and shots on both cores. One run a core: only the first of a
-/// run is told by step.
-fn cost(judged: &Judged<'_>, rung: Rung) -> Result<SceneCost, device::Error> {
+/// The same plan for the rungs in integers; `None` where they do not serve: in
+/// colour, with occluders, with linear radiosities.
+fn in_words(judged: &Judged<'_>) -> Option<Tables> {
+    let is_open = judged.sight == Sight::None;
+    is_open.then(|| bake::integers::bake(judged.scene, judged.plan).ok())?
+}
+
+/// Direct light and shots on every core that the rung is for. One run a core:
+/// only the first of a run is told by step.
+fn cost(
+    judged: &Judged<'_>,
+    tables: &Tables,
+    rung: FormFactorRung,
+) -> Result<SceneCost, device::Error> {
     let run = |core| {
         let job = Job {
             scene: &judged.scene.name,
-            tables: judged.tables.bytes(),
+            tables: tables.bytes(),
             arithmetic: rung.name(),
             visibility: judged.sight.name(),
             stop: Stop::Reflections(judged.reflections),
@@ -206,9 +229,14 @@ fn cost(judged: &Judged<'_>, rung: Rung) -> Result<SceneCost, device::Error> {
     };
     let (m4f_instructions, kernel_code_bytes) = run(Core::CortexM4F)?;
     let (m7_instructions, _) = run(Core::CortexM7)?;
+    let m3 = match rung.is_integer() {
+        true => optional(run(Core::CortexM3))?.0,
+        false => None,
+    };
     Ok(SceneCost {
         m4f_instructions,
         m7_instructions,
+        m3_instructions: m3.map(|(instructions, _)| instructions),
         kernel_code_bytes,
     })
 }

@@ -1,8 +1,8 @@
 //! The trade as text: CSV for programs, a table for a terminal.
 
-use super::FormFactors;
 use super::error::ClassErrors;
 use super::scene::InScene;
+use super::{Clip, FormFactors};
 use crate::report::quantity;
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, TableStyle};
 
@@ -16,7 +16,7 @@ code_bytes,table_bytes,m3_code_bytes,host_nanoseconds";
 
 /// The columns of [`scene_csv`]; errors in percent of full scale.
 pub const SCENE_COLUMNS: &str = "scene,reflections,rung,direct_max,direct_p95,direct_rms,\
-all_max,all_p95,all_rms,m4f_instructions,m7_instructions,kernel_code_bytes";
+all_max,all_p95,all_rms,m4f_instructions,m7_instructions,m3_instructions,kernel_code_bytes";
 
 /// The columns of [`classes_csv`].
 pub const CLASS_COLUMNS: &str = "rung,class,cases,max,p95,relative_max,relative_p95";
@@ -35,9 +35,12 @@ fn decimals(value: f64) -> String {
     format!("{value:.2}")
 }
 
-/// The rungs, one a line.
+/// The name of the last line of [`csv`]: what poly5 pays for the horizon.
+pub const CLIP: &str = "clip";
+
+/// The rungs, one a line, and behind them the clip by itself.
 #[must_use]
-pub fn csv(rows: &[FormFactors]) -> String {
+pub fn csv(rows: &[FormFactors], clip: Option<&Clip>) -> String {
     let mut text = format!("{COLUMNS}\n");
     for row in rows {
         let device = row.device.as_ref();
@@ -59,6 +62,17 @@ pub fn csv(rows: &[FormFactors]) -> String {
             cell(device.and_then(|device| device.m3_code_bytes)),
             format!("{:.1}", row.host_nanoseconds),
         ];
+        text.push_str(&cells.join(","));
+        text.push('\n');
+    }
+    if let Some(clip) = clip {
+        let cell = |column| match column {
+            "rung" => CLIP.to_owned(),
+            "m4f_cycles" => decimals(clip.m4f_cycles),
+            "m4f_cycles_per_edge" => decimals(clip.m4f_cycles_per_edge),
+            _ => String::new(),
+        };
+        let cells: Vec<String> = COLUMNS.split(',').map(cell).collect();
         text.push_str(&cells.join(","));
         text.push('\n');
     }
@@ -111,11 +125,21 @@ pub fn scene_csv(name: &str, reflections: u32, rows: &[InScene]) -> String {
         let device = row.device.as_ref();
         cells.push(cell(device.map(|device| device.m4f_instructions)));
         cells.push(cell(device.map(|device| device.m7_instructions)));
+        cells.push(cell(device.and_then(|device| device.m3_instructions)));
         cells.push(cell(device.map(|device| device.kernel_code_bytes)));
         text.push_str(&cells.join(","));
         text.push('\n');
     }
     text
+}
+
+/// The clip by itself, for a person.
+#[must_use]
+pub fn clip_terminal(clip: &Clip) -> String {
+    format!(
+        "of which, where nothing is below the horizon, translation and clip: {:.0} cycles of a quad, {:.0} of an edge",
+        clip.m4f_cycles, clip.m4f_cycles_per_edge
+    )
 }
 
 /// The rungs for a person. A star marks those on the front of absolute error,
@@ -174,6 +198,7 @@ pub fn scene_terminal(rows: &[InScene]) -> String {
         "all max %",
         "rms %",
         "instructions",
+        "on M3",
         "kernel code",
     ]);
     for row in rows {
@@ -186,6 +211,7 @@ pub fn scene_terminal(rows: &[InScene]) -> String {
             quantity(row.all.max),
             quantity(row.all.rms),
             known(device.map(|device| device.m4f_instructions)),
+            known(device.and_then(|device| device.m3_instructions)),
             known(device.map(|device| device.kernel_code_bytes)),
         ]);
     }

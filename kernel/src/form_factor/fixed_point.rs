@@ -6,8 +6,8 @@
 //! directions matter: of every vertex the kernel takes the difference to the
 //! receiver, exactly, and normalises it to a unit vector with 29 or 24 bits
 //! after the point. The horizon cuts the arcs between the unit vectors; the
-//! edge's term is that of the half-angle tangent, in words of 32 bits whose
-//! products have 64.
+//! edge's term is Snell's quotient corrected by a polynomial, as in floating
+//! point, in words of 32 bits whose products have 64.
 //!
 //! No floating-point operation is reachable from here. [`Scale`] reads
 //! coordinates given as `f32` by their bits.
@@ -25,7 +25,7 @@
 //! | | `Q29` | `Q24` |
 //! | --- | --- | --- |
 //! | polygons in general position | 5e-8 | 5e-6 |
-//! | a part of the arc tangent's fit | 1.5e-8 | 4.4e-6 |
+//! | a part of the angle's fit | 5.4e-9 | 3.9e-7 |
 //! | receiver at h from an edge seen under nearly 180°, L the largest distance | 1e-9 L/h | 3e-8 L/h |
 //!
 //! The errors are absolute, and there is no relative accuracy below F = 1e-6
@@ -33,8 +33,8 @@
 //!
 //! # Cost
 //!
-//! 234 instructions an edge on a Cortex-M4 (`Q24`: 235), its translation and
-//! the horizon's test included, and about 200 a polygon; one division of 32 by
+//! 201 instructions an edge on a Cortex-M4 (`Q24`: 194), its translation and
+//! the horizon's test included, and about 170 a polygon; one division of 32 by
 //! 32 bits an edge, no table.
 
 mod contour;

@@ -6,14 +6,15 @@ use crate::number::{Floating, Root, SoftRoot};
 use core::marker::PhantomData;
 
 /// The rungs `poly3`, `poly5` and `poly8`: Snell's quotient corrected by a
-/// polynomial of that degree
+/// polynomial of degree 2, 4 and 8
 /// ([`angle_over_sine`](crate::number::angle_over_sine)), with exact horizon
-/// caps.
+/// caps. They are named after the degree that would take with the tangent of half
+/// the angle in place of Snell's variable.
 ///
-/// Bounds of |error of F| in `f32`: 7.5e-5, 5e-7 and 2.5e-7, of which the fit
-/// has 6.8e-5, 3.0e-7 and 1e-10 and rounding the rest; in all positions, next to
+/// Bounds of |error of F| in `f32`: 5e-5, 6.5e-7 and 2.5e-7, of which the fit
+/// has 4.6e-5, 3.9e-7 and 6e-11 and rounding the rest; in all positions, next to
 /// an edge too, see [`Best`](super::Best). In `f32` the eighth degree is no better
-/// than the sixth that `Best` takes; it is for `f64`, where it errs by 1e-10. No
+/// than the sixth that `Best` takes; it is for `f64`, where it errs by 6e-11. No
 /// relative accuracy is promised: for an emitter of angular radius s the
 /// rounding alone is of order u/s², so F below 1e-6 has few right digits and
 /// below 1e-12 none. Past 90° an edge's angle is π less its supplement's, which
@@ -28,11 +29,11 @@ use core::marker::PhantomData;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Poly<const DEGREE: usize, R = SoftRoot>(PhantomData<R>);
 
-/// The rung `poly3`: |error of F| ≤ 7.5e-5, for previews and 8-bit output.
-pub type Poly3<R = SoftRoot> = Poly<3, R>;
+/// The rung `poly3`: |error of F| ≤ 5e-5, for previews and 8-bit output.
+pub type Poly3<R = SoftRoot> = Poly<2, R>;
 
-/// The rung `poly5`: |error of F| ≤ 5e-7.
-pub type Poly5<R = SoftRoot> = Poly<5, R>;
+/// The rung `poly5`: |error of F| ≤ 6.5e-7.
+pub type Poly5<R = SoftRoot> = Poly<4, R>;
 
 /// The rung `poly8`: |error of F| ≤ 2.5e-7.
 pub type Poly8<R = SoftRoot> = Poly<8, R>;

@@ -1,17 +1,15 @@
 //! A loop summed edge by edge with Snell's quotient and exact horizon caps.
 //!
-//! For an edge from a to b, with c = a×b, d = a·b, r = |a||b|, t = r + |d|/2 and
-//! z = (r − |d|)/t,
+//! For an edge from a to b, with c = a×b, d = a·b, t = 2|a||b| + |d| and
+//! x = |d|/t,
 //!
 //! ```text
-//! γ/|c| = s(z)/t            where d ≥ 0
-//! γ/|c| = π/|c| − s(z)/t    where d < 0
+//! γ/|c| = s(x)/t            where d ≥ 0
+//! γ/|c| = π/|c| − s(x)/t    where d < 0
 //! ```
 //!
 //! with s of [`angle_over_sine`], so that the edge's term γ n·c/|c| needs one
-//! division and, where γ ≤ 90°, no root but those of the vertices' lengths. z
-//! loses its digits where γ or its supplement is small, where s is 3/2 + 3/40 z²
-//! and does not care.
+//! division and, where γ ≤ 90°, no root but those of the vertices' lengths.
 //!
 //! An edge that the horizon cuts keeps the part f of itself above it, and f c
 //! is the cross product of that part: the whole edge's direction, which rounding
@@ -67,6 +65,13 @@ impl<N: Floating, R: Root<N> + Copy> Vertex<N, R> {
             norm: R::sqrt(position.norm_squared()),
             root: PhantomData,
         }
+    }
+
+    /// What an edge that begins here takes of it: its place and twice its
+    /// distance.
+    #[inline(always)]
+    fn from(&self) -> (Vector<N>, N) {
+        (self.position, self.norm + self.norm)
     }
 }
 
@@ -173,11 +178,11 @@ impl<N: Floating, R: Root<N> + Copy> Corner<N> for Tracked<'_, N, R> {
 struct Snell<const DEGREE: usize>;
 
 /// The angle between two vectors over its sine times their lengths; past 90°,
-/// that of the supplement. `r` = |a||b|, `d` = |a·b|.
+/// that of the supplement. `twice` = 2|a||b|, `d` = |a·b|.
 #[inline(always)]
-fn per_sine<const DEGREE: usize, N: Number>(r: N, d: N) -> N {
-    let inverse = N::ONE / (r + N::of(0.5) * d);
-    angle_over_sine::<DEGREE, N>((r - d) * inverse) * inverse
+fn per_sine<const DEGREE: usize, N: Number>(twice: N, d: N) -> N {
+    let inverse = N::ONE / (twice + d);
+    angle_over_sine::<DEGREE, N>(d * inverse) * inverse
 }
 
 /// γ of two vertices, from |a×b|.
@@ -187,30 +192,30 @@ fn angle<const DEGREE: usize, N: Floating, R>(a: &Vertex<N, R>, b: &Vertex<N, R>
     if r <= N::ZERO {
         return N::ZERO; // the receiver is one of them
     }
-    let acute = per_sine::<DEGREE, N>(r, d.abs()) * sine;
+    let acute = per_sine::<DEGREE, N>(r + r, d.abs()) * sine;
     if d < N::ZERO { N::PI - acute } else { acute }
 }
 
 /// γ n·c/|c| of an edge above the horizon, or `None` where it is seen under
-/// nearly 180°.
+/// nearly 180°. `twice` = 2|a|.
 #[inline(always)]
 fn plain_term<const DEGREE: usize, N: Floating, R: Root<N>>(
     normal: Vector<N>,
-    a: &Vertex<N, R>,
+    (a, twice): (Vector<N>, N),
     b: &Vertex<N, R>,
 ) -> Option<N> {
-    let c = a.position.cross(b.position);
-    let d = a.position.dot(b.position);
-    let r = a.norm * b.norm;
+    let c = a.cross(b.position);
+    let d = a.dot(b.position);
+    let twice = twice * b.norm;
     let along = normal.dot(c);
     if d >= N::ZERO {
-        return Some(per_sine::<DEGREE, N>(r, d) * along);
+        return Some(per_sine::<DEGREE, N>(twice, d) * along);
     }
     let squared = c.norm_squared();
-    if squared < N::of(WIDE) * (r * r) {
+    if squared < N::of(WIDE / 4.0) * (twice * twice) {
         return None;
     }
-    Some((N::PI / R::sqrt(squared) - per_sine::<DEGREE, N>(r, -d)) * along)
+    Some((N::PI / R::sqrt(squared) - per_sine::<DEGREE, N>(twice, -d)) * along)
 }
 
 /// γ n·c/|c| of the part from a to b of an edge, c being the whole edge's cross
@@ -227,7 +232,7 @@ fn term<const DEGREE: usize, N: Floating, R: Root<N>>(
     if r <= N::ZERO {
         return N::ZERO; // the receiver is one of them
     }
-    let acute = per_sine::<DEGREE, N>(r, d.abs()) * part;
+    let acute = per_sine::<DEGREE, N>(r + r, d.abs()) * part;
     let along = normal.dot(c);
     if d >= N::ZERO {
         acute * along
@@ -264,7 +269,7 @@ impl<'a, const DEGREE: usize, N: Floating, R: Root<N> + Copy> Edges<N, Tracked<'
     #[inline(always)]
     fn whole(&self, sum: N, from: Tracked<'a, N, R>, to: Tracked<'a, N, R>) -> N {
         let normal = from.view.receiver.normal();
-        sum + match plain_term::<DEGREE, N, R>(normal, &from.vertex, &to.vertex) {
+        sum + match plain_term::<DEGREE, N, R>(normal, from.vertex.from(), &to.vertex) {
             Some(term) => term,
             None => wide_term::<DEGREE, N, R>([&from, &to], [&from, &to]),
         }
@@ -317,26 +322,26 @@ fn sum<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
     };
     let normal = receiver.normal();
     let first = Vertex::<N, R>::new(first, receiver);
-    let (mut sum, mut from, mut ahead) = (N::ZERO, first, others.iter());
+    let (mut sum, mut from, mut ahead) = (N::ZERO, first.from(), others.iter());
     let mut left = others.len();
     if first.height >= N::ZERO {
         left = loop {
             let Some(next) = ahead.next() else {
-                match plain_term::<DEGREE, N, R>(normal, &from, &first) {
+                match plain_term::<DEGREE, N, R>(normal, from, &first) {
                     Some(term) => return sum + term,
                     None => break 0,
                 }
             };
             let to = Vertex::new(next, receiver);
             let term = if to.height >= N::ZERO {
-                plain_term::<DEGREE, N, R>(normal, &from, &to)
+                plain_term::<DEGREE, N, R>(normal, from, &to)
             } else {
                 None
             };
             let Some(term) = term else {
                 break ahead.len().wrapping_add(1);
             };
-            (sum, from) = (sum + term, to);
+            (sum, from) = (sum + term, to.from());
         };
     }
     let view = View { receiver, facing };

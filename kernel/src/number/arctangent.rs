@@ -7,53 +7,59 @@
 //!
 //! # Why this variable
 //!
-//! Snell's quotient 3 sin γ/(2 + cos γ) (1621) is γ to within γ⁵/180. What is
-//! left, written in z = (1 − y)/(1 + y/2) with y = cos γ, is
+//! Snell's quotient 3 sin γ/(2 + cos γ) (1621) is γ to within γ⁵/180. What takes
+//! the place of its 3, written in x = y/(2 + y) with y = cos γ, is
 //!
 //! ```text
-//! s(z) = (1 + y/2) γ/sin γ = 3/2 + 3/40 z² − 3/280 z³ + …
+//! s(x) = (2 + y) γ/sin γ = 3 + 3/20 z² − 3/140 z³ + …,   z = 1 − 3x
 //! ```
 //!
 //! γ/sin γ has its only branch cut at y ≤ −1. A map of y to z of the form
-//! (1 − y)/(1 + μ y) moves the cut's ends to 2/(1 − μ) and −1/μ, and a
+//! (1 − y)/(1 + μ y), or to any linear function of that, moves the cut's ends to
+//! 2/(1 − μ) and −1/μ, and a
 //! polynomial of degree n errs by ρ⁻ⁿ on 0 ≤ z ≤ 1, ρ + 1/ρ being twice
 //! the distance of the nearer end from z = 1/2, in half intervals. μ = 1 is
 //! the half angle's squared tangent, ρ = 5.8; μ = √2 − 1 puts both ends at the
-//! same distance, ρ = 11.6. Near that, μ = 1/2 is exact in every number, gives
-//! ρ = 9.9, and makes the linear term vanish, so that one term less is summed and
-//! rounding z does no harm where γ is small.
+//! same distance, ρ = 11.6. Near that, μ = 1/2 is Snell's, exact in every number,
+//! gives ρ = 9.9, and makes the linear term vanish where γ is small: there rounding
+//! x does no harm, and fits of even degree err by less than ρ⁻ⁿ.
 
 use super::Number;
 
-/// (s(z) − 3/2)/z² on 0 ≤ z ≤ 1: s to a relative error of 6.8e-5.
-const SNELL_3: [f64; 2] = [0.07164261411, -0.000953092481];
+/// s(x) on 0 ≤ x ≤ 1/3, relative error 4.6e-5.
+const SNELL_2: [f64; 3] = [3.14144783544, -0.846399348421, 1.26734633601];
 
-/// The same to 3.0e-7.
-const SNELL_5: [f64; 4] = [
-    0.07491954063,
-    -0.01010329962,
-    0.006388837095,
-    -0.0004092153952,
+/// The same, 3.9e-7.
+pub(super) const SNELL_4: [f64; 5] = [
+    3.14159387971,
+    -0.858505712085,
+    1.42548282574,
+    -0.66349471236,
+    0.871593836107,
 ];
 
-/// The same to 1.04e-8.
-const SNELL_6: [f64; 5] = [
-    0.07499399573,
-    -0.01064592311,
-    0.007744423286,
-    -0.001818206419,
-    0.0005220535964,
+/// The same, 5.4e-9.
+pub(super) const SNELL_6: [f64; 7] = [
+    3.14159267056,
+    -0.858411674528,
+    1.42495634504,
+    -0.678152464042,
+    1.03992079002,
+    -0.609673122556,
+    0.731353092636,
 ];
 
-/// The same to 9.4e-11.
-const SNELL_8: [f64; 7] = [
-    0.07499986229,
-    -0.01071171837,
-    0.00801725818,
-    -0.002366095168,
-    0.001090585426,
-    -0.0002897964079,
-    0.00005623098617,
+/// The same, 5.7e-11.
+const SNELL_8: [f64; 9] = [
+    3.14159265377,
+    -0.858407427128,
+    1.42478396364,
+    -0.67568859442,
+    1.02597686973,
+    -0.596828164998,
+    0.905493559838,
+    -0.657149325347,
+    0.704699533329,
 ];
 
 /// k(w) = (1 − h(w))/w on 0 ≤ w ≤ 1, relative error 2.8e-7.
@@ -68,32 +74,31 @@ const RESIDUAL: [f64; 8] = [
     -0.003923737123,
 ];
 
-/// s(z) = (1 + y/2) γ/sin γ for z = (1 − y)/(1 + y/2), y = cos γ, 0 ≤ γ ≤ 90°
-/// (0 ≤ z ≤ 1), by a polynomial of degree 3, 5, 6 or 8; other degrees do not
+/// s(x) = (2 + y) γ/sin γ for x = y/(2 + y), y = cos γ, 0 ≤ γ ≤ 90°
+/// (0 ≤ x ≤ 1/3), by a polynomial of degree 2, 4, 6 or 8; other degrees do not
 /// compile.
 ///
-/// Of two vectors with d = a·b ≥ 0 and r = |a||b|, z = (r − d)/(r + d/2), and
-/// γ/|a×b| = s(z)/(r + d/2): an edge's angle over its sine with one division.
+/// Of two vectors with d = a·b ≥ 0 and t = 2|a||b| + d, x = d/t and
+/// γ/|a×b| = s(x)/t: an edge's angle over its sine with one division.
 ///
-/// Relative error 6.8e-5, 3.0e-7, 1.04e-8 and 9.4e-11 (fit), none at z = 0, and
-/// at most 1 ulp of rounding. `DEGREE` multiplications, one addition less.
-/// Outside of its domain the value is meaningless but finite for |z| < 1e4
+/// Relative error 4.6e-5, 3.9e-7, 5.4e-9 and 5.7e-11 (fit) and at most 1 ulp of
+/// rounding. `DEGREE` multiplications and additions.
+/// Outside of its domain the value is meaningless but finite for |x| < 1e4
 /// (`f32`). Never panics.
 #[inline(always)]
-pub fn angle_over_sine<const DEGREE: usize, N: Number>(z: N) -> N {
+pub fn angle_over_sine<const DEGREE: usize, N: Number>(x: N) -> N {
     const {
         assert!(
-            matches!(DEGREE, 3 | 5 | 6 | 8),
-            "there are fits of degree 3, 5, 6 and 8"
+            matches!(DEGREE, 2 | 4 | 6 | 8),
+            "there are fits of degree 2, 4, 6 and 8"
         );
     }
-    let above_square = match DEGREE {
-        3 => horner(&SNELL_3, z),
-        5 => horner(&SNELL_5, z),
-        6 => horner(&SNELL_6, z),
-        _ => horner(&SNELL_8, z),
-    };
-    z * z * above_square + N::of(1.5)
+    match DEGREE {
+        2 => horner(&SNELL_2, x),
+        4 => horner(&SNELL_4, x),
+        6 => horner(&SNELL_6, x),
+        _ => horner(&SNELL_8, x),
+    }
 }
 
 /// k(w) = (1 − h(w))/w for 0 ≤ w ≤ 1, h(w) = atan(√w)/√w: what is left of h
@@ -123,23 +128,24 @@ fn horner<N: Number, const TERMS: usize>(ascending: &[f64; TERMS], x: N) -> N {
 mod tests {
     use super::*;
 
-    /// (1 + y/2) γ/sin γ by libm, by its series near 0.
-    fn exact_snell(z: f64) -> f64 {
+    /// (2 + y) γ/sin γ by libm, by its series where γ is small.
+    fn exact_snell(x: f64) -> f64 {
+        let z = 1.0 - 3.0 * x;
         if z < 1e-6 {
-            return 1.5 + 0.075 * z * z;
+            return 3.0 + 0.15 * z * z;
         }
-        let y = (1.0 - z) / (1.0 + 0.5 * z);
+        let y = 2.0 * x / (1.0 - x);
         // From the half angle's tangent: 1 − y has all of its digits.
         let tangent = libm::sqrt((1.5 * z / (1.0 + 0.5 * z)) / (1.0 + y));
         let sine = 2.0 * tangent / (1.0 + tangent * tangent);
-        (1.0 + 0.5 * y) * 2.0 * libm::atan(tangent) / sine
+        (2.0 + y) * 2.0 * libm::atan(tangent) / sine
     }
 
     /// The largest relative error of a fit of s.
     fn worst<const DEGREE: usize>() -> f64 {
         let errors = (0..=100_000_u32).map(|step| {
-            let z = f64::from(step) / 1e5;
-            (angle_over_sine::<DEGREE, f64>(z) / exact_snell(z) - 1.0).abs()
+            let x = f64::from(step) / 3e5;
+            (angle_over_sine::<DEGREE, f64>(x) / exact_snell(x) - 1.0).abs()
         });
         errors.fold(0.0, f64::max)
     }
@@ -147,10 +153,10 @@ mod tests {
     #[test]
     fn fits_keep_their_stated_errors() {
         for (worst, stated) in [
-            (worst::<3>(), 6.81e-5),
-            (worst::<5>(), 2.96e-7),
-            (worst::<6>(), 1.05e-8),
-            (worst::<8>(), 9.4e-11),
+            (worst::<2>(), 4.62e-5),
+            (worst::<4>(), 3.91e-7),
+            (worst::<6>(), 5.41e-9),
+            (worst::<8>(), 5.75e-11),
         ] {
             assert!(worst < stated, "{worst:e} {stated:e}");
             assert!(worst > 0.97 * stated, "{worst:e} {stated:e}");
@@ -171,22 +177,22 @@ mod tests {
 
     #[test]
     fn snells_quotient_is_what_is_left_at_small_angles() {
-        assert_eq!(angle_over_sine::<3, f32>(0.0), 1.5);
-        assert_eq!(angle_over_sine::<8, f64>(0.0), 1.5);
-        // At 90° s is π/2.
-        let quarter = angle_over_sine::<8, f64>(1.0);
-        assert!((quarter - core::f64::consts::FRAC_PI_2).abs() < 2e-10);
+        let small = angle_over_sine::<8, f64>(1.0 / 3.0);
+        assert!((small - 3.0).abs() < 2e-10);
+        // At 90° s is π.
+        let quarter = angle_over_sine::<8, f64>(0.0);
+        assert!((quarter - core::f64::consts::PI).abs() < 2e-10);
     }
 
     #[test]
     fn single_precision_adds_at_most_an_ulp() {
         for step in 0..=10_000_u16 {
-            let z = f32::from(step) / 1e4;
-            let value = angle_over_sine::<6, f32>(z);
-            let error = f64::from(value) / exact_snell(f64::from(z)) - 1.0;
+            let x = f32::from(step) / 3e4;
+            let value = angle_over_sine::<6, f32>(x);
+            let error = f64::from(value) / exact_snell(f64::from(x)) - 1.0;
             assert!(
-                error.abs() < 1.04e-8 + f64::from(f32::EPSILON),
-                "{z} {error:e}"
+                error.abs() < 5.4e-9 + f64::from(f32::EPSILON),
+                "{x} {error:e}"
             );
         }
     }

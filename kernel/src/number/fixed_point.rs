@@ -9,6 +9,7 @@
 //! 32 by 32 bits of which the upper word is kept.
 
 use super::Number;
+use super::arctangent::{SNELL_4, SNELL_6};
 use core::ops::{Add, Div, Mul, Neg, Sub};
 use fixed::types::{I3F29, I8F24};
 
@@ -16,7 +17,7 @@ use fixed::types::{I3F29, I8F24};
 pub trait Format: Number + Eq {
     /// Bits after the binary point.
     const FRACTION: u32;
-    /// Degree of the arc tangent's polynomial that suits them: 5 or 8.
+    /// Degree of the angle's polynomial that suits them: 4 or 6.
     const DEGREE: usize;
 
     /// The number whose two's complement word is `bits`.
@@ -177,12 +178,12 @@ macro_rules! saturating {
 
 saturating! {
     /// −4 ≤ x < 4 in steps of 2^−29 = 1.9e-9; saturates.
-    Q29, I3F29, 29, 8
+    Q29, I3F29, 29, 6
 }
 
 saturating! {
     /// −128 ≤ x < 128 in steps of 2^−24 = 6.0e-8; saturates.
-    Q24, I8F24, 24, 5
+    Q24, I8F24, 24, 4
 }
 
 /// The upper word of a product: the product of two fractions of 32 bits.
@@ -191,83 +192,43 @@ pub(crate) fn upper(a: u32, b: u32) -> u32 {
     (u64::from(a).wrapping_mul(u64::from(b)) >> 32) as u32
 }
 
-/// 2^32 |c| of every coefficient, rounded to nearest, at compile time.
-const fn fractions<const COUNT: usize>(coefficients: &[f64; COUNT]) -> [u32; COUNT] {
+/// |c| of every coefficient of s(x)/4 as a polynomial of 2x, rounded to nearest in
+/// units of 2^−32, at compile time.
+const fn quarters<const COUNT: usize>(coefficients: &[f64; COUNT]) -> [u32; COUNT] {
     let mut words = [0; COUNT];
-    let mut index = 0;
+    let (mut index, mut scale) = (0, 1_073_741_824.0);
     while index < COUNT {
         let c = coefficients[index];
         let magnitude = if c < 0.0 { -c } else { c };
-        words[index] = (magnitude * 4_294_967_296.0 + 0.5) as u32;
+        words[index] = (magnitude * scale + 0.5) as u32;
+        scale /= 2.0;
         index += 1;
     }
     words
 }
 
-/// h(q) on 0 ≤ q ≤ 0.1716 = tan² 22.5°, relative error 5.6e-7.
-const ARCTANGENT_NARROW_3: [u32; 4] =
-    fractions(&[0.9999994444, -0.3332274635, 0.1968107107, -0.1111333486]);
-/// h(q) on 0 ≤ q ≤ 0.1716, relative error 6.1e-10.
-const ARCTANGENT_NARROW_5: [u32; 6] = fractions(&[
-    0.9999999994,
-    -0.3333330762,
-    0.1999821667,
-    -0.1424007789,
-    0.1057344161,
-    -0.06034691619,
-]);
-/// 0.1715 in units of 2^−32: below it the narrow fits hold.
-const NARROW: u32 = 736_586_891;
-
-/// h(q) on 0 ≤ q ≤ 1, relative error 4.4e-6.
-const ARCTANGENT_5: [u32; 6] = fractions(&[
-    0.9999956297,
-    -0.3329946013,
-    0.1956359517,
-    -0.1212391229,
-    0.05747735311,
-    -0.01348047933,
-]);
-/// h(q) on 0 ≤ q ≤ 1, relative error 1.5e-8.
-const ARCTANGENT_8: [u32; 9] = fractions(&[
-    0.9999999848,
-    -0.3333307335,
-    0.1999261945,
-    -0.1420364493,
-    0.1064093576,
-    -0.07504298228,
-    0.04269156382,
-    -0.01606865739,
-    0.002849897048,
-]);
-
-/// h(q) = atan(√q)/√q for 0 ≤ q < 1, both in units of 2^−32, by minimax fits
-/// of degree 5 or 8; other degrees do not compile.
-///
-/// With q = tan²(γ/2) it turns the half-angle tangent of an edge into its
-/// angle, γ = 2 √q h(q), for γ ≤ 90°. The variable of
-/// [`super::angle_over_sine`] needs fewer powers over the whole domain, but here
-/// most edges are in the narrow part, where this one needs fewer still.
+/// s(x)/4 from 2x, 0 ≤ x ≤ 1/3, both in units of 2^−32: the function of
+/// [`super::angle_over_sine`] as fractions, by its fits of degree 4 or 6; other
+/// degrees do not compile.
 ///
 /// The coefficients alternate in sign and fall, so Horner's partial sums do
 /// too: each is a coefficient less a fraction of the one before and never
-/// negative, which needs neither a sign nor a shift. Relative error 4.4e-6 and
-/// 1.5e-8 (fit) plus 1e-9. Below q = 0.1715 fits of degree 3 and 5 for that
-/// range, 5.6e-7 and 6e-10. At most `DEGREE` multiplications and subtractions. Never
+/// negative, which needs neither a sign nor a shift. Relative error 3.9e-7 and
+/// 5.4e-9 (fit) plus 5e-10. `DEGREE` multiplications and subtractions. Never
 /// panics.
 #[inline(always)]
-pub fn scaled_arctangent_word<const DEGREE: usize>(q: u32) -> u32 {
+pub fn quarter_angle_over_sine<const DEGREE: usize>(twice: u32) -> u32 {
+    const FIT_4: [u32; 5] = quarters(&SNELL_4);
+    const FIT_6: [u32; 7] = quarters(&SNELL_6);
     const {
         assert!(
-            matches!(DEGREE, 5 | 8),
-            "there are fits of degree 5 and 8 in words"
+            matches!(DEGREE, 4 | 6),
+            "there are fits of degree 4 and 6 in words"
         );
     }
-    match (DEGREE, q < NARROW) {
-        (5, true) => alternating(&ARCTANGENT_NARROW_3, q),
-        (5, false) => alternating(&ARCTANGENT_5, q),
-        (_, true) => alternating(&ARCTANGENT_NARROW_5, q),
-        (_, false) => alternating(&ARCTANGENT_8, q),
+    match DEGREE {
+        4 => alternating(&FIT_4, twice),
+        _ => alternating(&FIT_6, twice),
     }
 }
 
@@ -292,8 +253,10 @@ pub fn reciprocal(t: u32) -> u32 {
     let quotient = u32::MAX.checked_div(rounded).unwrap_or(0);
     // The middle of what the quotient stands for, in units of 2^−17.
     let seed = quotient.wrapping_mul(2) | 1;
-    let product = u64::from(t).wrapping_mul(u64::from(seed));
-    let missing = ((1_u64 << 47).wrapping_sub(product) as i64 >> 1) as i32;
+    let product = u64::from(t).wrapping_mul(u64::from(seed)); // 2^−47
+    // What is missing to 1 is less than a word holds, and 1 a whole number of
+    // words: no borrow need be taken.
+    let missing = ((product >> 1) as u32).wrapping_neg() as i32; // 2^−46
     let correction = i64::from(missing).wrapping_mul(i64::from(seed as i32));
     let correction = correction.wrapping_add(1 << 31) >> 32;
     (seed << 14).wrapping_add_signed(correction as i32)
@@ -305,7 +268,7 @@ pub fn reciprocal(t: u32) -> u32 {
 /// A cubic (minimax, relative error 7.0e-3) and two steps of Newton's. A step
 /// turns an error e into −3e²/2, always too small; a constant added to each
 /// step centres what is left, so that the errors are 3.7e-5 and then 1.0e-9
-/// with either sign; rounding down adds 9.3e-10. 8 multiplications, no loop, no division. Outside of its
+/// with either sign; rounding adds 8e-10. 9 multiplications, no loop, no division. Outside of its
 /// domain the value is meaningless. Never panics.
 #[inline(always)]
 pub fn reciprocal_root(x: u32) -> i32 {
@@ -318,23 +281,21 @@ pub fn reciprocal_root(x: u32) -> i32 {
     ];
     /// 3 + 3/2 (7.04e-3)² in units of 2^−26.
     const THREE: u32 = 201_331_582;
-    /// 3/2 (3.72e-5)² in units of 2^−61, the excess of the second step.
-    const EXCESS: i64 = 4_780_752_922;
+    /// 1 + 3/2 (3.72e-5)², the excess of the second step, in units of 2^−31;
+    /// less 1 for what rounding down adds to what is missing.
+    const ONE: u32 = (1 << 31) + 3;
 
     let y = alternating(&SEED, x); // 2^−29
     let product = upper(upper(x, y), y); // x y², 2^−26
-    let y = upper(y, THREE.wrapping_sub(product)) << 6; // 2^−30
-    let y = if y > i32::MAX as u32 {
-        i32::MAX
-    } else {
-        y as i32
-    };
+    let y = upper(y, THREE.wrapping_sub(product) << 4); // 2^−28
+    let half = (y << 1) as i32;
+    let y = half.saturating_add(half); // 2^−30
     // What is missing to x y² = 1 is small: keep its digits.
     let root = upper(x, (y as u32) << 1); // 2^−31
     let product = u64::from(root).wrapping_mul(u64::from(y as u32)); // 2^−61
-    let missing = (1_i64 << 61).wrapping_sub(product as i64);
-    let missing = (missing.wrapping_add(EXCESS) >> 17) as i32; // 2^−44
-    let correction = i64::from(missing).wrapping_mul(i64::from(y)) >> 45;
+    let missing = ONE.wrapping_sub((product >> 30) as u32) as i32; // 2^−31
+    let correction = i64::from(missing).wrapping_mul(i64::from(y)); // 2^−62 of twice it
+    let correction = correction.wrapping_add(1 << 31) >> 32;
     y.saturating_add(correction as i32)
 }
 
@@ -421,18 +382,21 @@ mod tests {
     }
 
     #[test]
-    fn arc_tangents_keep_their_stated_errors() {
-        let (mut worst_5, mut worst_8) = (0.0_f64, 0.0_f64);
-        for q in (0..=u32::MAX).step_by(65_521).chain([1, u32::MAX]) {
-            let root = libm::sqrt(f64::from(q) / WORD);
-            let exact = if q == 0 { 1.0 } else { libm::atan(root) / root };
+    fn angles_keep_their_stated_errors() {
+        let (mut worst_4, mut worst_6) = (0.0_f64, 0.0_f64);
+        let largest = u32::MAX / 3 * 2;
+        for twice in (0..=largest).step_by(65_521).chain([1, largest]) {
+            let x = f64::from(twice) / WORD / 2.0;
+            let exact = crate::number::angle_over_sine::<8, f64>(x) / 4.0;
             let of = |word: u32| (f64::from(word) / WORD / exact - 1.0).abs();
-            worst_5 = worst_5.max(of(scaled_arctangent_word::<5>(q)));
-            worst_8 = worst_8.max(of(scaled_arctangent_word::<8>(q)));
+            worst_4 = worst_4.max(of(quarter_angle_over_sine::<4>(twice)));
+            worst_6 = worst_6.max(of(quarter_angle_over_sine::<6>(twice)));
         }
-        assert!(
-            worst_5 < 4.5e-6 && worst_8 < 1.7e-8,
-            "{worst_5:e} {worst_8:e}"
-        );
+        for (worst, stated) in [(worst_4, 3.91e-7), (worst_6, 5.9e-9)] {
+            assert!(
+                worst < stated && worst > 0.9 * stated,
+                "{worst:e} {stated:e}"
+            );
+        }
     }
 }

@@ -12,6 +12,8 @@ mod clock;
 #[cfg(target_os = "none")]
 mod cost_cases;
 #[cfg(target_os = "none")]
+mod cost_ready;
+#[cfg(target_os = "none")]
 mod cost_samples;
 #[cfg(target_os = "none")]
 mod cost_target;

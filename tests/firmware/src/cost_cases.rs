@@ -18,7 +18,7 @@ pub(crate) struct Case {
     /// 0.1 m for a small one, whatever the receiver.
     radius: f32,
     /// Whether the receiver's horizon runs through the emitter.
-    clipped: bool,
+    pub(crate) clipped: bool,
 }
 
 /// Both ways of summing a loop, with and without the horizon in it.

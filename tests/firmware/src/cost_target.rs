@@ -14,6 +14,7 @@ use semihosting::process;
 
 use crate::clock::Clock;
 use crate::cost_cases::{CASES, Case, VERTICES};
+use crate::cost_ready::{ready, seen};
 use crate::cost_samples::{RECEIVERS, Samples};
 use crate::meter::{Cost, Meter};
 use crate::root::Chosen;
@@ -114,6 +115,13 @@ fn isolux_rung_baked_fpu(receiver: &Receiver<f32>, plane: &Plane<f32>, baked: &B
     of_baked_loops::<Chosen>(receiver, plane, core::iter::once(*baked))
 }
 
+/// The rung `poly5` without translation and horizon.
+#[inline(never)]
+#[unsafe(no_mangle)]
+fn isolux_rung_ready_fpu(receiver: &Receiver<f32>, vertices: &[[f32; 3]]) -> f32 {
+    ready::<Chosen>(receiver.normal(), vertices)
+}
+
 /// The plane and the reach of an emitter that is given by its vertices alone.
 #[inline(never)]
 fn outline<'a>(vertices: &'a [[f32; 3]]) -> (Plane<f32>, Outline<'a, f32>) {
@@ -203,6 +211,10 @@ fn run() -> Result<(), Error> {
                 baked_form_factors(&meter, case, vertices)?;
                 lines += 1;
             }
+            if HARDWARE_ROOT && !case.clipped {
+                ready_sums(&meter, case, vertices)?;
+                lines += 1;
+            }
             fixed_form_factors(&meter, case, vertices, ("q24", isolux_rung_q24))?;
             fixed_form_factors(&meter, case, vertices, ("q29", isolux_rung_q29))?;
             lines += 2;
@@ -258,6 +270,20 @@ fn baked_form_factors(meter: &Meter, case: &Case, vertices: usize) -> Result<(),
         isolux_rung_end();
     }
     account.log(["form-factor", "baked", "fpu", case.name], vertices);
+    Ok(())
+}
+
+fn ready_sums(meter: &Meter, case: &Case, vertices: usize) -> Result<(), Error> {
+    let entry: fn(&Receiver<f32>, &[[f32; 3]]) -> f32 = black_box(isolux_rung_ready_fpu);
+    let mut account = Account::default();
+    for index in 0..RECEIVERS {
+        let receiver = case.receiver(index)?;
+        let corners = seen(case, &receiver, vertices);
+        let corners = black_box(&corners[..vertices]);
+        account.add(meter.measure(|| entry(&receiver, corners)));
+        isolux_rung_end();
+    }
+    account.log(["ready-sum", "ready", "fpu", case.name], vertices);
     Ok(())
 }
 

@@ -28,7 +28,7 @@ const END: &str = "isolux_rung_end";
 /// Instructions by which a counted call may differ from a traced one.
 const CALL: u64 = 8;
 
-/// What calls of a rung's form factor execute.
+/// What calls of a rung's form factor, or of its sum alone, execute.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Traced {
     /// The calls, with the instructions that the program itself counted.
@@ -97,7 +97,7 @@ fn attribute(costs: Vec<Cost>, calls: Vec<Call>, rungs: &Rungs) -> Result<Vec<Tr
     let mut traced = Vec::new();
     for cost in costs
         .into_iter()
-        .filter(|cost| cost.operation == "form-factor")
+        .filter(|cost| ["form-factor", "ready-sum"].contains(&&*cost.operation))
     {
         let name = match cost.root.as_str() {
             "-" => format!("{PREFIX}{}", cost.rung),

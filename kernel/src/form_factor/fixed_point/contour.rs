@@ -1,14 +1,14 @@
 //! A loop of unit vectors summed edge by edge: the integer form of the
-//! half-angle sum with exact horizon caps.
+//! sum by Snell's quotient with exact horizon caps.
 //!
 //! With unit vectors a and b and d = a·b, half an edge's term is
 //!
 //! ```text
-//! d ≥ 0   h(q)/(1 + d) n·(a×b),                 q = (1 − d)/(1 + d)
-//! d < 0   (π/2 − τ h(τ²)) n·(a×b)/|a×b|,        τ = |a×b|/(1 − d)
+//! d ≥ 0   s(x)/2t n·(a×b),                      t = 2 + d, x = d/t
+//! d < 0   (π/2 − |a×b| s(x)/2t) n·(a×b)/|a×b|,  t = 2 − d, x = −d/t
 //! ```
 //!
-//! The first needs one division and no root. The second, for edges seen under
+//! with s of [`angle_over_sine`](crate::number::angle_over_sine). The first needs one division and no root. The second, for edges seen under
 //! more than 90°, takes the supplement's angle and the direction of a×b, which
 //! is normalised from its full 64 bits.
 //!
@@ -20,13 +20,27 @@ use super::direction::{coarse, difference, dot, product, unit};
 use super::{Coordinate, Format, Plane, Receiver};
 use crate::clip::{self, Corner, Edges};
 use crate::geometry::Vector;
-use crate::number::fixed_point::{reciprocal, scaled_arctangent_word, upper};
+use crate::number::fixed_point::{quarter_angle_over_sine, reciprocal, upper};
 
 /// The direction of a vertex, and its sine over the horizon.
 #[derive(Clone, Copy)]
 struct Vertex<F> {
     direction: Vector<F>,
     height: F,
+}
+
+impl<F: Format> Vertex<F> {
+    /// A place seen from the receiver.
+    #[inline(always)]
+    fn new<C: Coordinate>(receiver: &Receiver<F>, place: &[C; 3]) -> Self {
+        let to = difference(place.map(Into::into), receiver.position);
+        let direction = unit(to.map(|along| along.wrapping_shl(room::<C>())));
+        let height = dot(words(receiver.normal), words(direction));
+        Self {
+            direction,
+            height: F::from_bits(narrow::<F>(height)),
+        }
+    }
 }
 
 impl<F: Format> Corner<F> for Vertex<F> {
@@ -75,10 +89,12 @@ fn narrow<F: Format>(product: i64) -> i32 {
 /// a×b in units of 2^(−2 `F::FRACTION`).
 #[inline(always)]
 fn cross(a: [i32; 3], b: [i32; 3]) -> [i64; 3] {
+    // Products are added up as they come, a difference would keep both.
+    let minus = a.map(i32::wrapping_neg);
     [
-        product(a[1], b[2]).wrapping_sub(product(a[2], b[1])),
-        product(a[2], b[0]).wrapping_sub(product(a[0], b[2])),
-        product(a[0], b[1]).wrapping_sub(product(a[1], b[0])),
+        product(a[1], b[2]).wrapping_add(product(minus[2], b[1])),
+        product(a[2], b[0]).wrapping_add(product(minus[0], b[2])),
+        product(a[0], b[1]).wrapping_add(product(minus[1], b[0])),
     ]
 }
 
@@ -96,31 +112,28 @@ fn cosine<F: Format>(d: i64) -> u32 {
     }
 }
 
-/// A fraction in units of 2^−30 as one in units of 2^−32, the largest for 1.
+/// Half an angle of up to 90° over its sine, from its [`cosine`], in units of
+/// 2^−31: s(x)/2t with t = 2 + d and x = d/t.
 #[inline(always)]
-fn fraction(word: u32) -> u32 {
-    (if word < ONE { word } else { ONE - 1 }) << 2
-}
-
-/// h of the degree that suits `F`.
-#[inline(always)]
-fn arctangent<F: Format>(q: u32) -> u32 {
-    if F::DEGREE == 5 {
-        scaled_arctangent_word::<5>(q)
+fn half_per_sine<F: Format>(cosine: u32) -> u32 {
+    let inverse = reciprocal(ONE.wrapping_add(cosine >> 1)); // 2/t, 2^−31
+    let twice = upper(cosine << 1, inverse) << 2; // 2x, 2^−32
+    let quarter = if F::DEGREE == 4 {
+        quarter_angle_over_sine::<4>(twice)
     } else {
-        scaled_arctangent_word::<8>(q)
-    }
+        quarter_angle_over_sine::<6>(twice)
+    };
+    upper(quarter, inverse)
 }
 
-/// Half the angle of which `sine` and `d` are sine and cosine, in `F`.
+/// Half the angle of which `sine`, in units of 2^−30, and `d` are sine and
+/// cosine, in `F`.
 #[inline(always)]
 fn half_angle<F: Format>(sine: u32, d: i64) -> i32 {
     /// π/2 in units of 2^−30.
     const QUARTER_TURN: u32 = 1_686_629_713;
     let sine = if sine < ONE { sine } else { ONE };
-    let tangent = upper(sine << 1, reciprocal(ONE.wrapping_add(cosine::<F>(d)))); // 2^−30
-    let q = fraction(upper(tangent << 1, tangent << 1));
-    let half = upper(arctangent::<F>(q), tangent);
+    let half = upper(half_per_sine::<F>(cosine::<F>(d)) << 1, sine); // 2^−30
     let half = if d < 0 {
         QUARTER_TURN.wrapping_sub(half)
     } else {
@@ -130,36 +143,33 @@ fn half_angle<F: Format>(sine: u32, d: i64) -> i32 {
 }
 
 /// What the edges are summed against.
-struct HalfAngle<'a, F> {
+struct Snell<'a, F> {
     normal: Vector<F>,
     plane: &'a Plane,
 }
 
-impl<F: Format> HalfAngle<'_, F> {
+impl<F: Format> Snell<'_, F> {
     /// γ/2 n·(a×b)/|a×b| in units of 2^(−2 `F::FRACTION`).
     #[inline(always)]
     fn edge(&self, a: Vertex<F>, b: Vertex<F>) -> i64 {
-        let (a, b) = (words(a.direction), words(b.direction));
-        let d = dot(a, b);
-        let c = cross(a, b);
+        let (from, to) = (words(a.direction), words(b.direction));
+        let d = dot(from, to);
         if d < 0 {
-            let [x, y, z] = c;
-            return self.beyond_a_right_angle(x, y, z, d);
+            let ([ax, ay, az], [bx, by, bz]) = (from, to);
+            return self.beyond_a_right_angle(ax, ay, az, bx, by, bz);
         }
-        let cosine = cosine::<F>(d);
-        let inverse = reciprocal(ONE.wrapping_add(cosine)); // 2^−31
-        let q = fraction(upper((ONE - cosine) << 1, inverse));
-        let per_sine = upper(arctangent::<F>(q), inverse) >> (31 - F::FRACTION);
-        let sine = narrow::<F>(dot(words(self.normal), c.map(narrow::<F>)));
-        product(sine, per_sine as i32)
+        let sine = dot(words(self.normal), cross(from, to).map(narrow::<F>));
+        let per_sine = half_per_sine::<F>(cosine::<F>(d)) >> (31 - F::FRACTION);
+        product(narrow::<F>(sine), per_sine as i32)
     }
 
-    /// The coordinates of a×b come one by one so that the usual way need not
-    /// put them in memory.
+    /// The same where the edge is seen under more than 90°. The coordinates come
+    /// one by one so that the usual way need not put them in memory.
     #[cold]
     #[inline(never)]
-    fn beyond_a_right_angle(&self, x: i64, y: i64, z: i64, d: i64) -> i64 {
-        let c = [x, y, z];
+    fn beyond_a_right_angle(&self, ax: i32, ay: i32, az: i32, bx: i32, by: i32, bz: i32) -> i64 {
+        let (a, b) = ([ax, ay, az], [bx, by, bz]);
+        let (d, c) = (dot(a, b), cross(a, b));
         let axis = words(unit::<F>(c));
         let sine = dot(axis, c.map(narrow::<F>)).unsigned_abs() >> (2 * F::FRACTION - 30);
         let along = narrow::<F>(dot(words(self.normal), axis));
@@ -167,17 +177,19 @@ impl<F: Format> HalfAngle<'_, F> {
     }
 }
 
-impl<F: Format> Edges<F, Vertex<F>> for HalfAngle<'_, F> {
+impl<F: Format> Edges<F, Vertex<F>> for Snell<'_, F> {
     type Sum = i64;
 
-    #[inline(always)]
+    /// In a function of its own: what is dear is the way through the loops that
+    /// are wholly above the horizon, [`contour`]'s.
+    #[inline(never)]
     fn whole(&self, sum: i64, from: Vertex<F>, to: Vertex<F>) -> i64 {
         sum.wrapping_add(self.edge(from, to))
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn cut(&self, sum: i64, [from, to]: [Vertex<F>; 2], _: [Vertex<F>; 2]) -> i64 {
-        sum.wrapping_add(self.edge(from, to))
+        self.whole(sum, from, to)
     }
 
     /// ±γ/2. The sign is that of n·(a×b); where the cap is seen under nearly
@@ -216,39 +228,48 @@ const fn room<C>() -> u32 {
 
 /// Half of Σ γ_i n·unit(v_i × v_{i+1}) over the part of the loop above the
 /// horizon, in units of 2^(−2 `F::FRACTION`).
+///
+/// As long as the loop is above it, nothing is called; from the first vertex
+/// below, the rest is walked with clips.
 pub(super) fn contour<F: Format, C: Coordinate>(
     receiver: &Receiver<F>,
     plane: &Plane,
     outline: &[[C; 3]],
 ) -> i64 {
-    let corners = Vertices {
-        receiver,
-        rest: outline.iter(),
+    let Some((first, others)) = outline.split_first() else {
+        return 0;
     };
-    let edges = HalfAngle {
+    let edges = Snell {
         normal: receiver.normal,
         plane,
     };
-    clip::walk(corners, &edges, 0)
-}
-
-/// The vertices of a loop seen from the receiver. A closure would be called
-/// for every vertex; this is compiled into the walk.
-struct Vertices<'a, F, C> {
-    receiver: &'a Receiver<F>,
-    rest: core::slice::Iter<'a, [C; 3]>,
-}
-
-impl<F: Format, C: Coordinate> Iterator for Vertices<'_, F, C> {
-    type Item = Vertex<F>;
-
-    #[inline(always)]
-    fn next(&mut self) -> Option<Vertex<F>> {
-        let place = self.rest.next()?.map(Into::into);
-        let to = difference(place, self.receiver.position);
-        let direction = unit(to.map(|along| along.wrapping_shl(room::<C>())));
-        let normal = words(self.receiver.normal);
-        let height = F::from_bits(narrow::<F>(dot(normal, words(direction))));
-        Some(Vertex { direction, height })
+    let first = Vertex::new(receiver, first);
+    let (mut sum, mut from, mut ahead) = (0, first, others);
+    if first.height >= F::ZERO {
+        while let Some((next, behind)) = ahead.split_first() {
+            let to = Vertex::new(receiver, next);
+            if to.height < F::ZERO {
+                return rest(receiver, &edges, [first, from], ahead, sum);
+            }
+            sum = sum.wrapping_add(edges.edge(from, to));
+            (from, ahead) = (to, behind);
+        }
+        return edges.whole(sum, from, first);
     }
+    rest(receiver, &edges, [first, from], ahead, sum)
+}
+
+/// The sum of a loop that began at `first` and has come to `from` above the
+/// horizon; the vertices `ahead` are those behind `from`.
+#[cold]
+#[inline(never)]
+fn rest<F: Format, C: Coordinate>(
+    receiver: &Receiver<F>,
+    edges: &Snell<'_, F>,
+    [first, from]: [Vertex<F>; 2],
+    ahead: &[[C; 3]],
+    sum: i64,
+) -> i64 {
+    let ahead = ahead.iter().map(|place| Vertex::new(receiver, place));
+    clip::walk_on(first, from, ahead, edges, sum)
 }
