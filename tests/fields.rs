@@ -32,7 +32,7 @@ fn reference(scene: &Scene, reflections: usize) -> Reference {
 fn open(scene: &Scene) -> (Plan, Tables) {
     let once = reference(scene, 1);
     let field = |places: &[(DVec3, DVec3)]| once.irradiance_at(places);
-    let plan = plan::error_driven(scene, &scene.budget, &field).expect("a plan");
+    let plan = plan::error_driven(scene, &scene.budget, &field, &[]).expect("a plan");
     let plan = plan.expect("points stand for their surfaces");
     let tables = bake::bake(scene, &plan, None).expect("tables");
     (plan, tables)
@@ -41,7 +41,7 @@ fn open(scene: &Scene) -> (Plan, Tables) {
 /// A room with shadows.
 fn room(scene: &Scene) -> (Plan, Tables) {
     let vertices = scene.surfaces.iter().flat_map(|s| s.vertices.clone());
-    let occlusion = Occlusion::for_receivers_within(scene, vertices.collect()).expect("occluders");
+    let occlusion = Occlusion::for_receivers_within(scene, vertices).expect("occluders");
     let direct = reference(scene, 0);
     let field = |places: &[(DVec3, DVec3)]| direct.irradiance_at(places);
     let looking = (Some(&occlusion), Sight::Exact);

@@ -77,7 +77,7 @@ fn baked(source: (&str, &str), placement: Placement) -> Tables {
     let plan = match placement {
         Placement::Isolux => plan::isolux(&scene, &scene.budget, &field),
         Placement::Error => {
-            let plan = plan::error_driven(&scene, &scene.budget, &field);
+            let plan = plan::error_driven(&scene, &scene.budget, &field, &[]);
             plan.map(|plan| plan.expect("points that stand for their surfaces"))
         }
     };

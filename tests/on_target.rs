@@ -14,7 +14,7 @@ use isolux_host::occlusion::Occlusion;
 use isolux_host::reference::{Reference, Reflections};
 use isolux_host::scene::{Budget, file, shipped};
 use isolux_host::solve::{self, FormFactorRung, Rung, Sight};
-use isolux_host::{bake, plan};
+use isolux_host::{bake, pilot, plan};
 use zerocopy::IntoBytes;
 
 const SAMPLES: usize = 50;
@@ -303,6 +303,60 @@ fn layers_give_the_hosts_bits_on_every_core() {
         budget: scene.budget,
     };
     on_every_core(&job);
+}
+
+/// The paper's scene on tensor grids, whose nodes shoot; and a penumbra, with meshes
+/// and exact visibility.
+#[test]
+fn fields_give_the_hosts_bits_on_every_core() {
+    const ROWS: usize = 9;
+    let named = |name: &str| {
+        let (name, source) = shipped::ALL
+            .iter()
+            .find(|(file, _)| *file == name)
+            .expect("shipped");
+        file::parse(name, source).expect("a sound scene")
+    };
+    let reference = |scene, times| Reference::new(scene, Reflections::AtMost(times), &mut |_| {});
+    let open = named("paper.toml");
+    let once = reference(&open, 1).expect("a reference");
+    let field = |places: &[_]| once.irradiance_at(places);
+    let plan = plan::error_driven(&open, &open.budget, &field, &[]).expect("a plan");
+    let of_open = plan.expect("points stand for surfaces");
+    let tables_of_open = bake::bake(&open, &of_open, None).expect("tables");
+    let mut room = named("penumbra.toml");
+    room.budget.samples = Some(40);
+    let places = room.surfaces.iter().flat_map(|s| s.vertices.clone());
+    let occlusion = Occlusion::for_receivers_within(&room, places).expect("occluders");
+    let direct = reference(&room, 0).expect("a reference");
+    let field = |places: &[_]| direct.irradiance_at(places);
+    let looking = (Some(&occlusion), Sight::Exact);
+    let of_room = pilot::room(&room, &room.budget, looking, &field).expect("a plan");
+    let tables_of_room = bake::bake(&room, &of_room, Some(occlusion)).expect("tables");
+    for (scene, plan, tables, sight) in [
+        (&open, &of_open, &tables_of_open, Sight::None),
+        (&room, &of_room, &tables_of_room, Sight::Exact),
+    ] {
+        let solution = solve::solve(tables, Rung::Best, sight, STOP).expect("a solution");
+        let mut expected = solution.irradiance_bits();
+        for (index, surface) in plan.surfaces.iter().enumerate() {
+            if !surface.samples.is_empty() {
+                let grid = solution.resample(index, ROWS as u32).expect("a grid");
+                expected.extend(grid.bits);
+            }
+        }
+        let job = Job {
+            scene: &scene.name,
+            tables: tables.bytes(),
+            arithmetic: "best",
+            visibility: sight.name(),
+            stop: STOP,
+            resolution: ROWS,
+            expected: &expected,
+            budget: scene.budget,
+        };
+        on_every_core(&job);
+    }
 }
 
 /// The Cornell box in few patches, with codes: no occluder is on the device.

@@ -16,6 +16,7 @@ use isolux::transfer::Transfer;
 use isolux::visibility::{Exact, Unoccluded};
 use isolux_host::bake::Tables;
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use std::mem::{offset_of, size_of};
 use zerocopy::IntoBytes;

@@ -60,7 +60,7 @@ pub(super) fn plan(
     let needs = requirements(&scene);
     let choices = choice::choices(rungs, &scene, &needs)?;
     let occlusion = occlusion(&scene, &choices, places)?;
-    let plan = place(&scene, &choices, occlusion.as_ref())?;
+    let plan = place(&scene, &choices, occlusion.as_ref(), places)?;
     let tables = if choices.arithmetic.is_integer() {
         bake::integers::bake(&scene, &plan).map_err(too_large)?
     } else {
@@ -89,7 +89,12 @@ pub(super) fn plan(
 }
 
 /// Decides where samples are and what shoots.
-fn place(scene: &Scene, choices: &Choices, occlusion: Option<&Occlusion>) -> Result<Plan, Failure> {
+fn place(
+    scene: &Scene,
+    choices: &Choices,
+    occlusion: Option<&Occlusion>,
+    places: &[DVec3],
+) -> Result<Plan, Failure> {
     let mean = |[r, g, b]: [f64; 3]| (r + g + b) / 3.0;
     let light = |reflections| judge(scene, Reflections::AtMost(reflections));
     let remedy = "change [budget] samples in the scene";
@@ -104,7 +109,7 @@ fn place(scene: &Scene, choices: &Choices, occlusion: Option<&Occlusion>) -> Res
         let plan = match choices.emitters {
             Emitters::Isolux => plan::isolux(scene, &scene.budget, &field).map(Some),
             Emitters::LayerCake => plan::layer_cake(scene, &scene.budget, &field).map(Some),
-            _ => plan::error_driven(scene, &scene.budget, &field),
+            _ => plan::error_driven(scene, &scene.budget, &field, places),
         };
         progress.finish();
         match plan.map_err(|error| Failure::limit(error, remedy))? {

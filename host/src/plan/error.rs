@@ -52,9 +52,9 @@ struct Candidate {
 /// Plans a scene in which nothing hides anything from anything.
 ///
 /// `total` gives the irradiance after all reflections. Samples are the nodes of
-/// tensor grids ([`super::fields`]), and where no surface is nearer to another one
-/// than its samples are to each other they are also what shoots; else `None`: the
-/// scene wants patches.
+/// tensor grids ([`super::fields`]), and where no surface, named point or one of
+/// `places` is nearer to a surface than its samples are to each other they are also
+/// what shoots; else `None`: the scene wants patches.
 ///
 /// # Errors
 /// [`Unplannable`] where the budget is too small, or too large for the tables.
@@ -62,6 +62,7 @@ pub fn error_driven(
     scene: &Scene,
     budget: &Budget,
     total: &Field<'_>,
+    places: &[DVec3],
 ) -> Result<Option<Plan>, Unplannable> {
     let ladders: Vec<Option<Ladder>> = scene
         .surfaces
@@ -78,7 +79,9 @@ pub fn error_driven(
         })
         .collect();
     let plan = Plan { surfaces };
-    Ok(points_stand_for_surfaces(scene, &plan).then_some(plan))
+    let named = scene.points.iter().map(|point| point.position);
+    let places: Vec<DVec3> = named.chain(places.iter().copied()).collect();
+    Ok(points_stand_for_surfaces(scene, &plan, &places).then_some(plan))
 }
 
 /// The candidates of one surface, the number of samples rising and the error
@@ -352,7 +355,7 @@ fn divide(ladders: &[Option<Ladder>], budget: &Budget) -> Result<Vec<usize>, Unp
 
 /// Whether the points are farther from everything they light than [`FAR`] times
 /// their distance from each other.
-fn points_stand_for_surfaces(scene: &Scene, plan: &Plan) -> bool {
+fn points_stand_for_surfaces(scene: &Scene, plan: &Plan, places: &[DVec3]) -> bool {
     plan.surfaces.iter().enumerate().all(|(index, planned)| {
         let Some(tensor) = planned
             .fields
@@ -376,6 +379,14 @@ fn points_stand_for_surfaces(scene: &Scene, plan: &Plan) -> bool {
             .map(|&[u, v]| planned.frame.to_world(u, v))
             .collect();
         let normal = planned.frame.normal;
+        let flat = scene.plane_tolerance();
+        let far = |place: &DVec3| {
+            let above = (*place - planned.frame.origin).dot(normal) > flat;
+            !above || points.iter().all(|point| point.distance(*place) >= near)
+        };
+        if !places.iter().all(far) {
+            return false;
+        }
         scene
             .surfaces
             .iter()

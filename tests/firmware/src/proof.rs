@@ -36,7 +36,7 @@ mod entries {
     use isolux::integers;
     use isolux::luminance::{Constant, Linear};
     use isolux::number::{self, Root, SoftRoot};
-    use isolux::resample::{self, Filtered, Row};
+    use isolux::resample::{self, Filtered, Reconstructed, Row, Stencils, Tensors};
     use isolux::scene::records::{self, Counts, Emitter, Surface};
     use isolux::scene::{Scene, required_bytes};
     use isolux::shoot::{self, Solved, Stop};
@@ -68,6 +68,8 @@ mod entries {
     type CodedLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Linear<f32>, Codes>;
 
     type Workspace = Exact<8, 4, 24, 6>;
+    type WithMeshes = Reconstructed<'static, 'static, Stencils<Chosen>, f32>;
+    type Grids = Reconstructed<'static, 'static, Tensors<Chosen>, f32>;
 
     /// Defines each entry, and `keep`, which hands their addresses to nobody
     /// knows whom.
@@ -246,6 +248,33 @@ mod entries {
         }
         fn isolux_entry_light_resample_at(light: &BestLight<'static>, surface: usize, place: [f32; 2]) -> Result<Option<Filtered<f32>>, Error> {
             light.resample_at::<Chosen>(surface, place)
+        }
+        fn isolux_entry_light_reconstruct(light: &BestLight<'static>, surface: usize, room: &'static mut [f32]) -> Result<WithMeshes, Error> {
+            light.reconstruct::<Stencils<Chosen>>(surface, room)
+        }
+        fn isolux_entry_light_reconstructed(light: &BestLight<'static>, surface: usize, room: &'static [f32]) -> Result<WithMeshes, Error> {
+            light.reconstructed::<Stencils<Chosen>>(surface, room)
+        }
+        fn isolux_entry_light_reconstruct_grids(light: &BestLight<'static>, surface: usize, room: &'static mut [f32]) -> Result<Grids, Error> {
+            light.reconstruct::<Tensors<Chosen>>(surface, room)
+        }
+        fn isolux_entry_reconstructed_row(surface: &WithMeshes, grid: [u32; 2], row: u32, out: &mut [f32]) -> Result<(), Error> {
+            surface.row(grid, row, out)
+        }
+        fn isolux_entry_reconstructed_at(surface: &WithMeshes, place: [f32; 2]) -> f32 {
+            surface.at(place)
+        }
+        fn isolux_entry_reconstructed_row_of_grids(surface: &Grids, grid: [u32; 2], row: u32, out: &mut [f32]) -> Result<(), Error> {
+            surface.row(grid, row, out)
+        }
+        fn isolux_entry_reconstructed_at_grids(surface: &Grids, place: [f32; 2]) -> f32 {
+            surface.at(place)
+        }
+        fn isolux_entry_fields_room(scene: &Scene<'static>, surface: &Surface) -> usize {
+            scene.fields().room(surface)
+        }
+        fn isolux_entry_budget_room_bytes(counts: &Counts) -> usize {
+            budget::room_bytes(counts)
         }
         fn isolux_entry_cone(places: &[[f32; 2]], values: &[f32], place: [f32; 2], radius: f32) -> Option<Filtered<f32>> {
             resample::cone::<Chosen, f32>(places, values, place, radius)
