@@ -4,8 +4,9 @@
 //! kernel answers at any place; so what a few patches send is known all over the
 //! scene, smoothly, and the patches of the plan proper follow it.
 
-use crate::bake;
+use crate::bake::{self, Tables};
 use crate::occlusion::Occlusion;
+use crate::plan::patches::{Light, Split};
 use crate::plan::{self, Field, Plan, Unplannable};
 use crate::scene::{Budget, Scene};
 use crate::solve::{self, Rung, Sight, Solution};
@@ -15,6 +16,9 @@ use std::ops::Range;
 
 /// The part of the emitted power that the first solution leaves unshot.
 const UNSHOT: f32 = 0.003;
+
+/// Luminaires that are looked at each for itself; where there are more they share.
+const LUMINAIRES: usize = 8;
 
 /// Plans a scene with linear patches that follow the light of a first solution
 /// ([`plan::patches::following`]), seen past `occlusion` by this rung of
@@ -28,12 +32,11 @@ const UNSHOT: f32 = 0.003;
 pub fn linear(
     scene: &Scene,
     budget: &Budget,
-    (occlusion, sight): (Option<&Occlusion>, Sight),
+    looking: (Option<&Occlusion>, Sight),
     direct: &Field<'_>,
 ) -> Result<Plan, Unplannable> {
-    let following =
-        |light: &plan::patches::Split<'_>| plan::patches::following(scene, budget, light);
-    match flown(scene, (occlusion, sight), direct, &following) {
+    let following = |light: &Light<'_>| plan::patches::following(scene, budget, light);
+    match flown(scene, looking, direct, &following) {
         Some(plan) => plan,
         None => plan::patches::linear(scene, budget, direct),
     }
@@ -45,18 +48,30 @@ fn flown<T>(
     scene: &Scene,
     (occlusion, sight): (Option<&Occlusion>, Sight),
     direct: &Field<'_>,
-    then: &dyn Fn(&plan::patches::Split<'_>) -> T,
+    then: &dyn Fn(&Light<'_>) -> T,
 ) -> Option<T> {
     let first = plan::patches::first(scene, direct).ok()?;
-    let tables = bake::bake(scene, &first, occlusion.cloned()).ok()?;
-    let until = |stop| solve::solve(&tables, Rung::default(), sight, stop).ok();
-    let (once, all) = (until(Stop::Reflections(0))?, until(Stop::below(UNSHOT))?);
-    let light = |places: &[(DVec3, DVec3)]| -> Vec<[f64; 2]> {
-        let [direct, all] = [&once, &all].map(|solution| means(solution, places));
-        let pairs = direct.into_iter().zip(all);
-        pairs.map(|(direct, all)| [direct, all - direct]).collect()
-    };
-    Some(then(&light))
+    let luminaires = scene.surfaces.iter().filter(|s| s.emits()).count();
+    let groups = luminaires.clamp(1, LUMINAIRES);
+    let lit = (0..groups).map(|group| with_some(scene, group, groups));
+    let scenes = lit.chain((groups > 1).then(|| scene.clone()));
+    let baked = scenes.map(|scene| bake::bake(&scene, &first, occlusion.cloned()).ok());
+    let tables = baked.collect::<Option<Vec<Tables>>>()?;
+    let solved = tables.iter().map(|tables| {
+        let until = |stop| solve::solve(tables, Rung::default(), sight, stop).ok();
+        Some(Solved {
+            direct: until(Stop::Reflections(0))?,
+            all: until(Stop::below(UNSHOT))?,
+        })
+    });
+    let solved = solved.collect::<Option<Vec<Solved<'_>>>>()?;
+    let splits: Vec<_> = solved
+        .iter()
+        .map(|solved| move |places: &[(DVec3, DVec3)]| solved.split(places))
+        .collect();
+    let splits: Vec<&Split<'_>> = splits.iter().map(|split| split as &Split<'_>).collect();
+    let (&all, each) = (splits.last()?, splits.get(..groups)?);
+    Some(then(&Light { all, each }))
 }
 
 /// Why a room has no plan.
@@ -97,7 +112,7 @@ pub fn room(
     direct: &Field<'_>,
 ) -> Result<Plan, Error> {
     let (occlusion, sight) = looking;
-    let drafted = |light: &plan::patches::Split<'_>| plan::patches::draft(scene, budget, light);
+    let drafted = |light: &Light<'_>| plan::patches::draft(scene, budget, light);
     let draft = match flown(scene, looking, direct, &drafted) {
         Some(draft) => draft,
         None => plan::patches::linear(scene, budget, direct),
@@ -130,6 +145,31 @@ fn receivers(places: &[(DVec3, DVec3)]) -> Vec<([f32; 3], [f32; 3])> {
         .iter()
         .map(|&(p, n)| (single(p), single(n)))
         .collect()
+}
+
+/// The scene with every so many of its luminaires on, the others off.
+fn with_some(scene: &Scene, group: usize, groups: usize) -> Scene {
+    let mut scene = scene.clone();
+    let luminaires = scene.surfaces.iter_mut().filter(|s| s.emits()).enumerate();
+    for (_, surface) in luminaires.filter(|(index, _)| index % groups != group) {
+        surface.radiance = [0.0; 3];
+    }
+    scene
+}
+
+/// What some luminaires cause, by the first plan.
+struct Solved<'t> {
+    direct: Solution<'t>,
+    all: Solution<'t>,
+}
+
+impl Solved<'_> {
+    /// Direct and reflected light.
+    fn split(&self, places: &[(DVec3, DVec3)]) -> Vec<[f64; 2]> {
+        let [direct, all] = [&self.direct, &self.all].map(|solution| means(solution, places));
+        let pairs = direct.into_iter().zip(all);
+        pairs.map(|(direct, all)| [direct, all - direct]).collect()
+    }
 }
 
 /// Means of the channels; 0 at what is no place.

@@ -160,9 +160,17 @@ fn emitters_are_a_choice() {
     // Bands are coarse; patches follow the light.
     let reference = at(&["--reference"]);
     agree(&isolux, &reference, 0.1);
-    agree(&at(&["--emitters", "linear"]), &reference, 0.02);
     // What each outline encloses sends all that it receives.
-    agree(&at(&["--emitters", "layer-cake"]), &reference, 0.01);
+    agree(&at(&["--emitters", "layer-cake"]), &reference, 0.04);
+    // The budget allows four patches, whose linear functions fit the light best on
+    // the whole: they flatten the peak in the middle that is looked at. More do not.
+    agree(&at(&["--emitters", "linear"]), &reference, 0.03);
+    write(
+        directory.path(),
+        "desk.toml",
+        &desk().replace("samples = 24", "samples = 48"),
+    );
+    agree(&at(&["--emitters", "linear"]), &reference, 0.005);
 }
 
 /// shot = received + elsewhere + on backs + leaving + missing, and

@@ -21,9 +21,10 @@ use crate::occlusion::Solids;
 use crate::scene::frame::Frame;
 use crate::scene::{Budget, Scene};
 use exposed::{Cell, Exposed};
+use project::Known;
 use refine::{Guide, Refined, Refinement};
 
-pub use refine::Split;
+pub use refine::{Light, Split};
 
 /// A part of a surface whose radiosity is linear.
 #[derive(Clone, Debug)]
@@ -100,13 +101,13 @@ pub fn linear(scene: &Scene, budget: &Budget, direct: &Field<'_>) -> Result<Plan
 ///
 /// As [`linear`], but patches are halved where neither direct nor reflected light
 /// follows a straight line, and the weights of a patch's places make the linear
-/// function that fits this light best: where light is as planned for, what a
-/// patch sends is no guess from a few places. Costs about a hundred values of
-/// `light` a patch.
+/// function that fits the light of every luminaire best: what a patch sends is no
+/// guess from a few places, however luminaires are dimmed. Costs about a hundred
+/// values of all light a patch, and fifty of that of each luminaire.
 ///
 /// # Errors
 /// As [`linear`].
-pub fn following(scene: &Scene, budget: &Budget, light: &Split<'_>) -> Result<Plan, Unplannable> {
+pub fn following(scene: &Scene, budget: &Budget, light: &Light<'_>) -> Result<Plan, Unplannable> {
     guided(scene, budget, Guide::All(light))
 }
 
@@ -128,7 +129,7 @@ pub fn first(scene: &Scene, direct: &Field<'_>) -> Result<Plan, Unplannable> {
 ///
 /// # Errors
 /// As [`linear`].
-pub fn draft(scene: &Scene, budget: &Budget, light: &Split<'_>) -> Result<Plan, Unplannable> {
+pub fn draft(scene: &Scene, budget: &Budget, light: &Light<'_>) -> Result<Plan, Unplannable> {
     let reflecting = scene.surfaces.iter().filter(|s| s.reflects()).count();
     let most = (PATCHES_A_SURFACE * reflecting).min(DEFAULT_PATCHES);
     let (patches, error) = match budget.samples {
@@ -321,12 +322,10 @@ fn of_surface(
         let cell = &refined.cell;
         let found = places::of_cell(cell, division.direct, Tag::Direct);
         let (places, mut weights): (Vec<_>, Vec<_>) = found.into_iter().unzip();
-        let dense = refinement.fit(exposed, cell);
-        if let Some([direct, _]) = dense {
-            let values = refinement.values(exposed, &places, Tag::Direct);
-            project::correct(&mut weights, &values, direct);
-        }
-        wanted.push(dense.map(|[_, reflected]| reflected));
+        let fits = refinement.fits(exposed, cell);
+        let values = refinement.values(exposed, &places);
+        project::correct(&mut weights, &known(0, &values, &fits));
+        wanted.push(fits);
         patches.push(Patch {
             pieces: cell.pieces.clone(),
             center: cell.center,
@@ -350,7 +349,7 @@ fn of_surface(
                 index,
                 first: samples.len(),
                 weights,
-                values: refinement.values(exposed, &places, Tag::Reflected),
+                values: refinement.values(exposed, &places),
             });
             samples.extend(places.into_iter().map(sample(Tag::Reflected)));
         }
@@ -359,9 +358,7 @@ fn of_surface(
         };
         let part = |weights: &[f64; 3]| of_part(*weights, whole, &fine[k].cell);
         let mut weights: Vec<[f64; 3]> = begun.weights.iter().map(part).collect();
-        if let Some(wanted) = wanted[k] {
-            project::correct(&mut weights, &begun.values, wanted);
-        }
+        project::correct(&mut weights, &known(1, &begun.values, &wanted[k]));
         patches[k].members.extend((begun.first..).zip(weights));
     }
     let area: f64 = patches.iter().map(|patch| patch.area).sum();
@@ -379,8 +376,19 @@ struct Begun {
     /// The first of its samples.
     first: usize,
     weights: Vec<[f64; 3]>,
-    /// Reflected light at its places, where that is known.
-    values: Vec<f64>,
+    /// Direct and reflected light of every luminaire at its places, where that is
+    /// known.
+    values: Vec<[Vec<f64>; 2]>,
+}
+
+/// Of every luminaire one kind of light: 0 direct, 1 reflected.
+fn known(kind: usize, values: &[[Vec<f64>; 2]], fits: &[[[f64; 3]; 2]]) -> Vec<Known> {
+    let pairs = values.iter().zip(fits);
+    let of_one = |(values, wanted): (&[Vec<f64>; 2], &[[f64; 3]; 2])| Known {
+        values: values[kind].clone(),
+        wanted: wanted[kind],
+    };
+    pairs.map(of_one).collect()
 }
 
 /// The weights of a cell's linear function, as that of a part of it.

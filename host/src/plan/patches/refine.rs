@@ -28,11 +28,19 @@ const SLENDER: f64 = 2.5;
 /// Direct and reflected light at many places with their normals.
 pub type Split<'a> = dyn Fn(&[(DVec3, DVec3)]) -> Vec<[f64; 2]> + 'a;
 
+/// All light, and that of each luminaire.
+pub struct Light<'a> {
+    /// With every luminaire on.
+    pub all: &'a Split<'a>,
+    /// With one of them on, or some, each in one of these.
+    pub each: &'a [&'a Split<'a>],
+}
+
 /// What is known of the light.
 #[derive(Clone, Copy)]
 pub(super) enum Guide<'a> {
     Direct(&'a Field<'a>),
-    All(&'a Split<'a>),
+    All(&'a Light<'a>),
 }
 
 /// The scene as refinement sees it.
@@ -227,42 +235,45 @@ impl<'a> Refinement<'a> {
     }
 
     fn light(&self, exposed: &Exposed, places: &[[f64; 2]]) -> Vec<[f64; 2]> {
-        let frame = &exposed.frame;
-        let places: Vec<(DVec3, DVec3)> = places
-            .iter()
-            .map(|&[u, v]| (frame.to_world(u, v), frame.normal))
-            .collect();
+        let places = in_space(exposed, places);
         match self.guide {
             Guide::Direct(direct) => direct(&places).into_iter().map(|e| [e, 0.0]).collect(),
-            Guide::All(light) => light(&places),
+            Guide::All(light) => (light.all)(&places),
         }
     }
 
-    /// One kind of light at places of a surface; none where it is not asked for.
-    pub(super) fn values(&self, exposed: &Exposed, places: &[[f64; 2]], kind: Tag) -> Vec<f64> {
-        if matches!(self.guide, Guide::Direct(_)) {
+    /// Direct and reflected light of every luminaire at places of a surface; none
+    /// where only direct light is known.
+    pub(super) fn values(&self, exposed: &Exposed, places: &[[f64; 2]]) -> Vec<[Vec<f64>; 2]> {
+        let Guide::All(light) = self.guide else {
             return Vec::new();
-        }
-        let of_kind = usize::from(kind == Tag::Reflected);
-        let light = self.light(exposed, places).into_iter();
-        light.map(|values| values[of_kind]).collect()
+        };
+        let places = in_space(exposed, places);
+        let of_one = |one: &&Split<'_>| {
+            let values = one(&places);
+            [0, 1].map(|kind| values.iter().map(|values| values[kind]).collect())
+        };
+        light.each.iter().map(of_one).collect()
     }
 
-    /// The linear functions that direct and reflected light are best fitted by all
-    /// over a cell, where both are known.
-    pub(super) fn fit(&self, exposed: &Exposed, cell: &Cell) -> Option<[[f64; 3]; 2]> {
-        if matches!(self.guide, Guide::Direct(_)) {
-            return None;
-        }
+    /// The linear functions that direct and reflected light of every luminaire are
+    /// best fitted by all over a cell.
+    pub(super) fn fits(&self, exposed: &Exposed, cell: &Cell) -> Vec<[[f64; 3]; 2]> {
         let dense = places::of_cell(cell, DENSE, Tag::Direct);
         let (places, weights): (Vec<[f64; 2]>, Vec<[f64; 3]>) = dense.into_iter().unzip();
-        let light = self.light(exposed, &places);
-        let made = |kind: usize| {
-            let values: Vec<f64> = light.iter().map(|values| values[kind]).collect();
-            project::made(&weights, &values)
-        };
-        Some([made(0), made(1)])
+        let light = self.values(exposed, &places).into_iter();
+        let fit = |values: [Vec<f64>; 2]| values.map(|values| project::made(&weights, &values));
+        light.map(fit).collect()
     }
+}
+
+/// Places of a surface with its normal.
+fn in_space(exposed: &Exposed, places: &[[f64; 2]]) -> Vec<(DVec3, DVec3)> {
+    let frame = &exposed.frame;
+    let places = places.iter();
+    places
+        .map(|&[u, v]| (frame.to_world(u, v), frame.normal))
+        .collect()
 }
 
 /// The mean of direct light over the area.
