@@ -181,8 +181,9 @@ impl Planned {
         }
     }
 
-    /// Bytes of RAM that the kernel's state takes on the device: the light, and
-    /// the workspace of exact visibility with what it must hold.
+    /// Bytes of RAM that the kernel's state takes on the device: the light, the room
+    /// in which surfaces are reconstructed, and the workspace of exact visibility
+    /// with what it must hold.
     pub(super) fn ram(&self) -> Result<(usize, records::Sight), Failure> {
         let (counts, bytes) = (&self.tables.counts, self.tables.bytes());
         if self.rung.is_integer() {
@@ -195,7 +196,8 @@ impl Planned {
             _ => records::Sight::default(),
         };
         let light = isolux::budget::light_bytes(counts);
-        let bytes = light + isolux::budget::sight_bytes(&workspace);
+        let room = isolux::budget::room_bytes(counts);
+        let bytes = light + room + isolux::budget::sight_bytes(&workspace);
         Ok((bytes, workspace))
     }
 

@@ -5,12 +5,15 @@
 //! with as few samples. The budget then goes, a step at a time, to the surface whose
 //! error weighs most: an error counts with the power that the surface receives.
 
+mod lit;
+
 use super::fields::Field as Term;
 use super::fields::tensor::{Nodes, Tensor};
 use super::{Field, Plan, Point, Sample, SurfacePlan, Tag, Unplannable, spacing};
 use crate::scene::frame::Frame;
 use crate::scene::{Budget, Scene};
 use glam::DVec3;
+use lit::Lit;
 use std::f64::consts::PI;
 
 /// Nodes along a side of a tensor grid.
@@ -27,10 +30,8 @@ const WELL: f64 = 0.005;
 /// largest irradiance.
 const FAINT: f64 = 1e-3;
 
-/// Places along each side of a surface at which another one's points are judged, and
-/// nodes along each side that say what they should give.
-const PROBED: usize = 6;
-const DENSE: usize = 24;
+/// Steps, of half the interval, in which nodes are drawn out and moved.
+const POLISHED: [f64; 4] = [0.08, 0.04, 0.02, 0.01];
 
 /// Distance of points that shoot from what they light, in distances between them,
 /// from which on they stand for their surface to within 0.3 %.
@@ -64,7 +65,7 @@ pub fn error_driven(
     total: &Field<'_>,
     places: &[DVec3],
 ) -> Result<Option<Plan>, Unplannable> {
-    let ladders: Vec<Option<Ladder>> = scene
+    let ladders: Vec<Option<Ladder<'_>>> = scene
         .surfaces
         .iter()
         .enumerate()
@@ -86,39 +87,92 @@ pub fn error_driven(
 
 /// The candidates of one surface, the number of samples rising and the error
 /// falling.
-struct Ladder {
-    frame: Frame,
+struct Ladder<'a> {
+    judge: Judge<'a>,
     area: f64,
-    /// Power received in W.
-    power: f64,
     steps: Vec<Candidate>,
 }
 
-impl Ladder {
-    fn new(scene: &Scene, index: usize, total: &Field<'_>) -> Self {
-        let surface = &scene.surfaces[index];
-        let frame = Frame::new(surface);
-        let measured = measured(&frame, MEASURED);
-        let truth = at(&frame, &measured, total);
+/// What reconstructions of a surface are judged by.
+struct Judge<'a> {
+    frame: Frame,
+    total: &'a Field<'a>,
+    places: Vec<[f64; 2]>,
+    truth: Vec<f64>,
+    lit: Lit,
+    /// Power received in W.
+    power: f64,
+}
+
+impl<'a> Judge<'a> {
+    fn new(scene: &Scene, index: usize, total: &'a Field<'a>) -> Self {
+        let frame = Frame::new(&scene.surfaces[index]);
+        let places = measured(&frame, MEASURED);
+        let truth = at(&frame, &places, total);
         let mean = truth.iter().sum::<f64>() / truth.len().max(1) as f64;
-        let factors = factors(scene, index, &frame);
-        let power = mean * surface.area;
-        let lit = Lit::by(scene, index, &frame, total);
+        Self {
+            lit: Lit::by(scene, index, &frame, total),
+            power: (mean * scene.surfaces[index].area).max(f64::MIN_POSITIVE),
+            frame,
+            total,
+            places,
+            truth,
+        }
+    }
+
+    /// The candidates that these nodes make, with every factor that is a way.
+    fn candidates(&self, grid: &Tensor, factors: &[Option<[f64; 3]>]) -> Vec<Candidate> {
+        let values = at(&self.frame, &grid.places(), self.total);
+        let caused = self.lit.error(&self.frame, grid, &values) / self.power;
+        let candidate = |&factor: &Option<[f64; 3]>| {
+            let tensor = Tensor {
+                factor,
+                ..grid.clone()
+            };
+            let error = worst(&tensor, &values, &self.places, &self.truth)? + caused;
+            Some(Candidate { tensor, error })
+        };
+        factors.iter().filter_map(candidate).collect()
+    }
+
+    /// The same grid with its nodes moved as a whole and drawn out or together along
+    /// each axis, as far as that lessens the error.
+    fn polished(&self, candidate: &Candidate) -> Candidate {
+        let mut best = candidate.clone();
+        for step in POLISHED {
+            for axis in 0..2 {
+                for (stretch, shift) in [(step, 0.0), (-step, 0.0), (0.0, step), (0.0, -step)] {
+                    let mut grid = best.tensor.clone();
+                    for t in &mut grid.nodes[axis] {
+                        *t = (*t * (1.0 + stretch) + shift).clamp(-1.0, 1.0);
+                    }
+                    let distinct = grid.nodes[axis].windows(2).all(|pair| pair[0] < pair[1]);
+                    if !distinct {
+                        continue;
+                    }
+                    let factor = best.tensor.factor;
+                    for moved in self.candidates(&grid, &[factor]) {
+                        if moved.error < best.error {
+                            best = moved;
+                        }
+                    }
+                }
+            }
+        }
+        best
+    }
+}
+
+impl<'a> Ladder<'a> {
+    fn new(scene: &Scene, index: usize, total: &'a Field<'a>) -> Self {
+        let judge = Judge::new(scene, index, total);
+        let factors = factors(scene, index, &judge.frame);
         let mut all = Vec::new();
         for nodes in Nodes::ALL {
             for along_u in COUNTS {
                 for along_v in COUNTS {
-                    let grid = Tensor::over(&frame, nodes, [along_u, along_v], None);
-                    let values = at(&frame, &grid.places(), total);
-                    let caused = lit.error(&frame, &grid, &values) / power;
-                    all.extend(factors.iter().filter_map(|&factor| {
-                        let tensor = Tensor {
-                            factor,
-                            ..grid.clone()
-                        };
-                        let error = worst(&tensor, &values, &measured, &truth)? + caused;
-                        Some(Candidate { tensor, error })
-                    }));
+                    let grid = Tensor::over(&judge.frame, nodes, [along_u, along_v], None);
+                    all.extend(judge.candidates(&grid, &factors));
                 }
             }
         }
@@ -133,19 +187,18 @@ impl Ladder {
             }
         }
         Self {
-            frame,
-            area: surface.area,
-            power,
+            area: scene.surfaces[index].area,
+            judge,
             steps,
         }
     }
 
     fn plan(&self, step: usize) -> SurfacePlan {
-        let frame = self.frame.clone();
+        let frame = self.judge.frame.clone();
         let Some(candidate) = self.steps.get(step) else {
             return SurfacePlan::without_samples(frame);
         };
-        let tensor = candidate.tensor.clone();
+        let tensor = self.judge.polished(candidate).tensor;
         let sample = |place| Sample {
             place,
             vertex: place,
@@ -173,81 +226,6 @@ pub(super) fn measured(frame: &Frame, side: usize) -> Vec<[f64; 2]> {
         .map(|k| [part(k % side) * frame.size_u, part(k / side) * frame.size_v])
         .filter(|&[u, v]| frame.contains(u, v))
         .collect()
-}
-
-/// What a surface's points light.
-struct Lit {
-    /// Places with their normals on other surfaces that reflect, what they receive
-    /// in all, of this surface, and the power of theirs.
-    probes: Vec<Probe>,
-}
-
-struct Probe {
-    position: DVec3,
-    normal: DVec3,
-    total: f64,
-    exact: f64,
-    power: f64,
-}
-
-impl Lit {
-    /// By a surface, which reflects what reaches it.
-    fn by(scene: &Scene, index: usize, frame: &Frame, total: &Field<'_>) -> Self {
-        let dense = Tensor::over(frame, Nodes::Gauss, [DENSE; 2], None);
-        let values = at(frame, &dense.places(), total);
-        let mut probes = Vec::new();
-        for (other, surface) in scene.surfaces.iter().enumerate() {
-            if other == index || !surface.reflects() {
-                continue;
-            }
-            let its = Frame::new(surface);
-            let cells = (0..PROBED * PROBED)
-                .map(|k| its.cell_center(k % PROBED, k / PROBED, PROBED, PROBED))
-                .filter(|&(u, v)| its.contains(u, v));
-            let places: Vec<[f64; 2]> = cells.map(|(u, v)| [u, v]).collect();
-            let totals = at(&its, &places, total);
-            let mean = totals.iter().sum::<f64>() / totals.len().max(1) as f64;
-            probes.extend(places.iter().zip(totals).map(|(&[u, v], total)| {
-                let (position, normal) = (its.to_world(u, v), its.normal);
-                Probe {
-                    position,
-                    normal,
-                    total,
-                    exact: sent(frame, &dense, &values, position, normal),
-                    power: mean * surface.area,
-                }
-            }));
-        }
-        // Beside what arrives in all, it gives that much times its reflectance.
-        let rho = scene.surfaces[index].reflectance[0];
-        for probe in &mut probes {
-            probe.total /= rho;
-        }
-        Self { probes }
-    }
-
-    /// The largest relative error that points with these values cause, times the
-    /// power it is an error of, in W.
-    fn error(&self, frame: &Frame, tensor: &Tensor, values: &[f64]) -> f64 {
-        let errors = self.probes.iter().map(|probe| {
-            let sent = sent(frame, tensor, values, probe.position, probe.normal);
-            let error = (sent - probe.exact).abs() / probe.total.max(f64::MIN_POSITIVE);
-            error * probe.power
-        });
-        errors.fold(0.0, f64::max)
-    }
-}
-
-/// What the nodes of a tensor grid give to a place, as points of these radiosities.
-fn sent(frame: &Frame, tensor: &Tensor, values: &[f64], place: DVec3, normal: DVec3) -> f64 {
-    let nodes = tensor.places().into_iter().zip(tensor.areas()).zip(values);
-    nodes
-        .map(|(([u, v], area), value)| {
-            let to = frame.to_world(u, v) - place;
-            let cosines = to.dot(normal).max(0.0) * (-to.dot(frame.normal)).max(0.0);
-            value * area * cosines / (PI * to.length_squared().powi(2))
-        })
-        .sum()
 }
 
 /// The field at places of a surface.
@@ -293,7 +271,7 @@ pub(super) fn factors(scene: &Scene, index: usize, frame: &Frame) -> Vec<Option<
 }
 
 /// Which candidate every surface takes.
-fn divide(ladders: &[Option<Ladder>], budget: &Budget) -> Result<Vec<usize>, Unplannable> {
+fn divide(ladders: &[Option<Ladder<'_>>], budget: &Budget) -> Result<Vec<usize>, Unplannable> {
     let count = |chosen: &[usize]| -> u64 {
         let each = ladders.iter().zip(chosen).map(|(ladder, &step)| {
             let steps = ladder.as_ref().map(|ladder| &ladder.steps);
@@ -322,12 +300,12 @@ fn divide(ladders: &[Option<Ladder>], budget: &Budget) -> Result<Vec<usize>, Unp
     let most = ladders
         .iter()
         .flatten()
-        .map(|l| l.power)
+        .map(|l| l.judge.power)
         .fold(0.0, f64::max);
     let loss = |k: usize, step: usize| {
         let ladder = ladders[k].as_ref();
         ladder.map_or(0.0, |ladder| {
-            ladder.steps[step].error * ladder.power / most.max(f64::MIN_POSITIVE)
+            ladder.steps[step].error * ladder.judge.power / most.max(f64::MIN_POSITIVE)
         })
     };
     while let Some(&worst) = open
