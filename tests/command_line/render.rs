@@ -113,11 +113,17 @@ fn the_document_has_the_contracts_keys() {
         }
         is_error(&surface["error"]);
     }
-    assert_eq!(
-        (&surfaces[0]["samples"], &surfaces[0]["emitters"]),
-        (&48.into(), &4.into())
-    );
-    assert_eq!(surfaces[1]["samples"], 10);
+    // The nodes of a grid of 7 x 7 on A shoot, and those of 3 x 3 on B.
+    let counts = |k: usize| ["samples", "emitters"].map(|key| surfaces[k][key].as_u64());
+    assert_eq!(counts(0), [Some(49), Some(49)]);
+    assert_eq!(counts(1), [Some(9), Some(9)]);
+    for (ladder, rung) in [
+        ("placement", "error"),
+        ("emitters", "points"),
+        ("reconstruction", "tensor"),
+    ] {
+        assert_eq!(rendered["rungs"][ladder], rung);
+    }
 
     // Every file that is named exists, and no other does.
     let named = rendered["files"].as_array().expect("a list");
@@ -129,6 +135,35 @@ fn the_document_has_the_contracts_keys() {
         assert!(found, "{} of {written:?}", name.display());
     }
     written.iter().for_each(|path| is_picture(path));
+}
+
+/// The paper's own way is a flag away: 48 samples on A and 10 on B, in 4 bands.
+#[test]
+fn the_papers_way_is_still_there() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let arguments = [
+        "render",
+        "paper",
+        "-o",
+        "out",
+        "--resolution",
+        "16",
+        "--placement",
+        "isolux",
+        "--json",
+    ];
+    let rendered = document(&isolux(&arguments, directory.path(), ""));
+    let surfaces = rendered["surfaces"].as_array().expect("a list");
+    let counts = |k: usize| ["samples", "emitters"].map(|key| surfaces[k][key].as_u64());
+    assert_eq!(counts(0), [Some(48), Some(4)]);
+    assert_eq!(counts(1)[0], Some(10));
+    for (ladder, rung) in [
+        ("placement", "isolux"),
+        ("emitters", "isolux"),
+        ("reconstruction", "cone"),
+    ] {
+        assert_eq!(rendered["rungs"][ladder], rung);
+    }
 }
 
 #[test]

@@ -32,11 +32,15 @@ pub(super) struct RungArguments {
     /// How samples are placed: error (where they lessen the error most, the
     /// default), isolux (the paper's).
     #[arg(long, value_name = "RUNG")]
-    placement: Option<String>,
+    pub(super) placement: Option<String>,
     /// How samples become an image: tensor (the default of open scenes), stencil,
     /// cone (the paper's).
     #[arg(long, value_name = "RUNG")]
-    reconstruction: Option<String>,
+    pub(super) reconstruction: Option<String>,
+    /// Whether light is only evaluated from the emitters and never reconstructed
+    /// from samples: then a room is planned for its emitters alone.
+    #[arg(skip)]
+    pub(super) at_points: bool,
 }
 
 /// The rungs of this build, by ladder.
@@ -134,6 +138,8 @@ pub(super) struct Choices {
     pub(super) placement: Placement,
     /// Whether points were asked for, and not only taken where they hold.
     pub(super) points_asked: bool,
+    /// Whether light is only evaluated from the emitters.
+    pub(super) at_points: bool,
 }
 
 /// Surfaces that reflect, above which light goes to and fro so much that a
@@ -192,6 +198,9 @@ pub(super) fn choices(
         Some("isolux") => Placement::Isolux,
         Some(_) => Placement::Error,
         None if cone || outlined || arithmetic.is_integer() => Placement::Isolux,
+        None if flags.at_points && (is_room || rungs.emitters.as_deref() == Some("linear")) => {
+            Placement::Isolux
+        }
         None => Placement::Error,
     };
     let choices = Choices {
@@ -199,6 +208,7 @@ pub(super) fn choices(
         transfer,
         placement,
         points_asked: rungs.emitters.as_deref() == Some("points"),
+        at_points: flags.at_points,
         sight: match rungs.visibility.as_deref() {
             Some("vertex-rays") => Sight::VertexRays,
             Some("none") => Sight::None,

@@ -130,9 +130,11 @@ fn place(
     let progress = Progress::start("planning", 0);
     let looking = (occlusion, choices.sight);
     let plan = match choices.placement {
-        Placement::Isolux => pilot::linear(scene, &scene.budget, looking, &field)
-            .map_err(|error| Failure::limit(error, remedy)),
-        Placement::Error => pilot::room(scene, &scene.budget, looking, &field)
+        Placement::Error if !choices.at_points => {
+            pilot::room(scene, &scene.budget, looking, &field)
+                .map_err(|error| Failure::limit(error, remedy))
+        }
+        _ => pilot::linear(scene, &scene.budget, looking, &field)
             .map_err(|error| Failure::limit(error, remedy)),
     };
     progress.finish();

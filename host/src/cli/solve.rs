@@ -130,7 +130,11 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
             &asked,
         )
     } else {
-        let planned = pipeline::plan(scene, &arguments.rungs, &places)?;
+        let rungs = RungArguments {
+            at_points: !arguments.reconstructed,
+            ..arguments.rungs.clone()
+        };
+        let planned = pipeline::plan(scene, &rungs, &places)?;
         let solution = planned.solve(bounces)?;
         let mut answers = if arguments.reconstructed {
             reconstructed(&planned, &solution, &asked, arguments)?

@@ -74,6 +74,8 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     // before the work is done.
     // All rungs in floating point share one bake, whatever the scene asks for.
     let mut every_rung = arguments.rungs.clone();
+    // Emitters are what is traded: light is evaluated from them.
+    every_rung.at_points = true;
     every_rung.arithmetic = Some(FormFactorRung::default().name().to_owned());
     let planned = match &arguments.scene {
         Some(path) => Some(pipeline::plan(pipeline::read(path)?, &every_rung, &[])?),

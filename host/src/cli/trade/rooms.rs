@@ -88,6 +88,7 @@ pub(super) fn measure(
         step(&format!("{visibility}, {emitters}, {transfer}"));
         let named = |name: &str| Some(name.to_owned());
         let mut rungs = rungs.clone();
+        rungs.at_points = true;
         rungs.arithmetic = None;
         rungs.visibility = named(visibility);
         rungs.emitters = named(emitters);
