@@ -139,6 +139,14 @@ impl SurfacePlan {
         bands.chain(patches).chain(points).collect()
     }
 
+    /// Values on the outlines of shadows, and behind them, that are known without a
+    /// sample.
+    pub fn free_samples(&self) -> usize {
+        let shadows = self.fields.iter().filter(|field| field.tensor.is_some());
+        let nodes = shadows.flat_map(|field| &field.mesh).flat_map(|mesh| &mesh.nodes);
+        nodes.filter(|node| node.shares.is_empty()).count()
+    }
+
     fn receiving(&self, kind: Receives) -> usize {
         let samples = self.samples.iter();
         samples.filter(|s| s.tag.receives() == kind).count()
@@ -435,10 +443,7 @@ impl Plan {
     /// Values on the outlines of shadows, and behind them, that are known without a
     /// sample.
     pub fn free_samples(&self) -> usize {
-        let fields = self.surfaces.iter().flat_map(|surface| &surface.fields);
-        let shadows = fields.filter(|field| field.tensor.is_some());
-        let nodes = shadows.flat_map(|field| &field.mesh).flat_map(|mesh| &mesh.nodes);
-        nodes.filter(|node| node.shares.is_empty()).count()
+        self.surfaces.iter().map(SurfacePlan::free_samples).sum()
     }
 
     /// Whether radiosities are linear.

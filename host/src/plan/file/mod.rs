@@ -12,7 +12,7 @@
 //! isolux-plan = 1
 //! scene = "paper"
 //! [rungs]
-//! emitters = "points"
+//! arithmetic = "best"
 //! [[surface]]
 //! name = "A"
 //! emits = false
@@ -47,7 +47,8 @@ pub const VERSION: i128 = 1;
 /// What a plan file holds.
 #[derive(Clone, Debug)]
 pub struct Saved {
-    /// The rungs that it was planned for.
+    /// The rungs of arithmetic, visibility and transfer that it was planned for;
+    /// those of the other ladders are what the plan is.
     pub rungs: Rungs,
     /// The plan, in the frames of the scene.
     pub plan: Plan,
@@ -78,7 +79,7 @@ pub fn parse(name: &str, source: &str, scene: &Scene) -> Result<Saved, Diagnosti
     let root = Table::root(document, entries.get_ref(), "a plan");
     check_version(&root)?;
     let root = root.only(&["isolux-plan", "scene", "rungs", "surface", "end"])?;
-    let rungs = settings::rungs(&root)?;
+    let rungs = read_rungs(&root)?;
     let surfaces = surfaces::read(&root, scene)?;
     if root.optional("end").is_none() {
         let end = source.len().saturating_sub(1)..source.len();
@@ -92,6 +93,16 @@ pub fn parse(name: &str, source: &str, scene: &Scene) -> Result<Saved, Diagnosti
         rungs,
         plan: Plan { surfaces },
     })
+}
+
+/// The ladders of which the plan itself does not show the rung.
+const LADDERS: [&str; 3] = ["arithmetic", "visibility", "transfer"];
+
+fn read_rungs(root: &Table<'_>) -> Result<Rungs, Diagnostic> {
+    if let Some(field) = root.optional("rungs") {
+        field.table("the table `[rungs]` of a plan")?.only(&LADDERS)?;
+    }
+    settings::rungs(root)
 }
 
 fn check_version(root: &Table<'_>) -> Result<(), Diagnostic> {

@@ -4,8 +4,7 @@ use super::super::fields::{Field, Mesh, Node};
 use super::super::fields::tensor::Tensor;
 use super::super::patches::Patch;
 use super::super::{Band, Plan, Sample, SurfacePlan};
-use super::VERSION;
-use crate::scene::rungs::LADDERS;
+use super::{LADDERS, VERSION};
 use crate::scene::{Rungs, Scene, Surface};
 use isolux::scene::fields::SHARE;
 
@@ -17,6 +16,7 @@ const HEAD: &str = "\
 
 const RUNGS: &str = "
 # What it was planned for. Flags go before these, and these before the scene's own.
+# Placement, emitters and reconstruction are what the sections below are.
 ";
 
 const SURFACE: &str = "
@@ -78,9 +78,9 @@ pub fn text(scene: &Scene, rungs: &Rungs, plan: &Plan) -> String {
     );
     let mut rungs = rungs.clone();
     for ladder in LADDERS {
-        let choice = rungs.choice_mut(ladder.name).and_then(|choice| choice.take());
+        let choice = rungs.choice_mut(ladder).and_then(|choice| choice.take());
         if let Some(rung) = choice {
-            text += &format!("{} = {}\n", ladder.name, quoted(&rung));
+            text += &format!("{ladder} = {}\n", quoted(&rung));
         }
     }
     for (surface, planned) in scene.surfaces.iter().zip(&plan.surfaces) {
