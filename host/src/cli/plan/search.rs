@@ -40,6 +40,10 @@ const FINE: u64 = 32;
 /// doubled.
 const DOUBLINGS: u32 = 3;
 
+/// Where a plan errs too much, those with down to half as many samples are tried in
+/// steps of this part.
+const SIXTEENTHS: u64 = 16;
+
 impl Found {
     fn of(planned: Planned) -> Result<Self, Failure> {
         let (state, sight) = planned.ram()?;
@@ -124,10 +128,13 @@ pub(super) fn plan(
         true => first,
         false => largest_that_fits(first, wishes, &attempt)?,
     };
-    match wishes.error {
-        None => Ok(largest),
-        Some(most) if largest.errs_within(most) => smallest_within(largest, most, wishes, &attempt),
-        Some(most) => Err(unmet(&largest, most, wanted)),
+    let Some(most) = wishes.error else {
+        return Ok(largest);
+    };
+    let nearest = nearest(largest, most, wishes, &attempt)?;
+    match nearest.errs_within(most) {
+        true => smallest_within(nearest, most, wishes, &attempt),
+        false => Err(unmet(&nearest, most, wanted)),
     }
 }
 
@@ -154,6 +161,30 @@ fn more(
             break;
         }
         best = next;
+    }
+    Ok(best)
+}
+
+/// The plan that errs least among `largest`, where that does not err too much already,
+/// and some with fewer samples: a budget that is a little smaller is sometimes divided
+/// better.
+fn nearest(
+    largest: Found,
+    most: f64,
+    wishes: &Wishes,
+    attempt: &Attempt<'_>,
+) -> Result<Found, Failure> {
+    let samples = largest.samples();
+    let mut best = largest;
+    for parts in (SIXTEENTHS / 2..SIXTEENTHS).rev() {
+        if best.errs_within(most) {
+            break;
+        }
+        match attempt(Some(samples * parts / SIXTEENTHS)) {
+            Ok(found) if found.fits(wishes) && found.error < best.error => best = found,
+            Ok(_) | Err(Failure::Limit { .. }) => {}
+            Err(failure) => return Err(failure),
+        }
     }
     Ok(best)
 }

@@ -39,29 +39,21 @@ const POINTS: &str = "\
 # Samples that shoot for the area around them: [sample, m2], samples counted from 0.
 ";
 
-const BAND: &str = "
-# An emitter: loops of samples, outer ones counter-clockwise, and the samples whose mean it
-# shoots, or whose sum with these weights.
-";
+const BANDS: &str = "
+# Emitters: loops of samples, outer ones counter-clockwise, and the samples whose mean each
+# shoots, or whose sum with these weights.";
 
-const PATCH: &str = "
-# An emitter with linear radiosity: convex pieces, counter-clockwise corners [u, v]; and
-# [sample, weights of the mean and of both gradients].
-";
+const PATCHES: &str = "
+# Emitters with linear radiosity: convex pieces, counter-clockwise corners [u, v]; and
+# members [sample, weights of the mean and of both gradients].";
 
-const FIELD: &str = "
-# A term of the irradiance: a tensor grid, a mesh, or the product of both.
-";
-
-const TENSOR: &str = "\
-# Polynomials through samples: the first of them, the lowest v first; nodes from -1 to 1 and
-# what that is in metres. With a factor s = s0 + s1 u + s2 v they are of sqrt(s/E).
-";
-
-const MESH: &str = "\
-# Triangles with linear values at nodes [u, v, constant, [sample, weight], ...]: samples
-# counted from `first`. Where no triangle is the value is `outside`, else the nearest.
-";
+const FIELDS: &str = "
+# The irradiance is the sum of these: of tensor grids, meshes and products of both.
+# A tensor grid: polynomials through samples from `first` on, the lowest v first; nodes are
+# from -1 to 1, `half` is what 1 is in metres. With a factor s = s0 + s1 u + s2 v they are of
+# sqrt(s/E). Its samples lie on its nodes: move both.
+# A mesh: triangles with linear values at nodes [u, v, constant, [sample, weight], ...],
+# samples counted from `first`; where no triangle is, `outside`, else the nearest value.";
 
 const END: &str = "
 # Nothing is missing where the file ends here.
@@ -104,8 +96,8 @@ fn of_surface(surface: &Surface, planned: &SurfacePlan) -> String {
     }
     if !planned.predicted.is_empty() {
         let parts = planned.predicted.iter().map(|predicted| {
-            let (rms, area) = (predicted.rms, predicted.area);
-            format!("[{}, {rms:?}, {area:?}]", quoted(predicted.part.name()))
+            let (rms, area) = (single(predicted.rms), single(predicted.area));
+            format!("[{}, {rms}, {area}]", quoted(predicted.part.name()))
         });
         text += PREDICTED;
         text += &lines("predicted", parts);
@@ -119,10 +111,18 @@ fn of_surface(surface: &Surface, planned: &SurfacePlan) -> String {
         text += POINTS;
         text += &lines("points", points.map(|p| format!("[{}, {:?}]", p.sample, p.area)));
     }
-    text.extend(planned.bands.iter().map(of_band));
-    text.extend(planned.patches.iter().map(of_patch));
-    text.extend(planned.fields.iter().map(of_field));
-    text
+    text += &section(BANDS, planned.bands.iter().map(of_band));
+    text += &section(PATCHES, planned.patches.iter().map(of_patch));
+    text + &section(FIELDS, planned.fields.iter().map(of_field))
+}
+
+/// Tables of a kind under what they are; nothing where there are none.
+fn section(comment: &str, tables: impl Iterator<Item = String>) -> String {
+    let tables: String = tables.collect();
+    match tables.is_empty() {
+        true => tables,
+        false => format!("{comment}{tables}"),
+    }
 }
 
 fn of_sample(sample: &Sample) -> String {
@@ -134,7 +134,7 @@ fn of_sample(sample: &Sample) -> String {
 }
 
 fn of_band(band: &Band) -> String {
-    let mut text = format!("{BAND}[[surface.band]]\narea = {:?}\n", band.area);
+    let mut text = format!("\n[[surface.band]]\narea = {:?}\n", band.area);
     text += &lines("loops", band.loops.iter().map(|outline| format!("{outline:?}")));
     text += &format!("members = {:?}\n", band.members);
     if !band.weights.is_empty() {
@@ -145,7 +145,7 @@ fn of_band(band: &Band) -> String {
 }
 
 fn of_patch(patch: &Patch) -> String {
-    let mut text = format!("{PATCH}[[surface.patch]]\narea = {:?}\n", patch.area);
+    let mut text = format!("\n[[surface.patch]]\narea = {:?}\n", patch.area);
     let piece = |piece: &Vec<[f64; 2]>| {
         let corners: Vec<String> = piece.iter().map(|corner| list(corner)).collect();
         format!("[{}]", corners.join(", "))
@@ -160,14 +160,14 @@ fn of_patch(patch: &Patch) -> String {
 }
 
 fn of_field(field: &Field) -> String {
-    let mut text = format!("{FIELD}[[surface.field]]\n");
+    let mut text = "\n[[surface.field]]\n".to_owned();
     text.extend(field.tensor.iter().map(of_tensor));
     text.extend(field.mesh.iter().map(of_mesh));
     text
 }
 
 fn of_tensor(tensor: &Tensor) -> String {
-    let mut text = format!("{TENSOR}[surface.field.tensor]\nfirst = {}\n", tensor.first);
+    let mut text = format!("[surface.field.tensor]\nfirst = {}\n", tensor.first);
     text += &format!("nodes-u = {}\n", list(&tensor.nodes[0]));
     text += &format!("nodes-v = {}\n", list(&tensor.nodes[1]));
     text += &format!("center = {}\n", list(&tensor.center));
@@ -180,7 +180,7 @@ fn of_tensor(tensor: &Tensor) -> String {
 
 fn of_mesh(mesh: &Mesh) -> String {
     let (first, samples) = (mesh.first, mesh.samples);
-    let mut text = format!("{MESH}[surface.field.mesh]\nfirst = {first}\nsamples = {samples}\n");
+    let mut text = format!("[surface.field.mesh]\nfirst = {first}\nsamples = {samples}\n");
     if let Some(outside) = mesh.outside {
         text += &format!("outside = {}\n", single(outside));
     }
