@@ -186,7 +186,10 @@ pub(super) fn choices(
     let arithmetic = arithmetic(rungs.arithmetic.as_deref())?;
     let cone = rungs.reconstruction.as_deref() == Some("cone");
     let nested = ["isolux", "layer-cake"];
-    let outlined = rungs.emitters.as_deref().is_some_and(|name| nested.contains(&name));
+    let outlined = rungs
+        .emitters
+        .as_deref()
+        .is_some_and(|name| nested.contains(&name));
     let placement = match rungs.placement.as_deref() {
         Some("isolux") => Placement::Isolux,
         Some(_) => Placement::Error,
@@ -260,7 +263,11 @@ pub(super) fn of_saved(
     let fixed = [
         ("emitters", emitters, &flags.emitters),
         ("placement", Some(placement.name()), &flags.placement),
-        ("reconstruction", Some(reconstruction), &flags.reconstruction),
+        (
+            "reconstruction",
+            Some(reconstruction),
+            &flags.reconstruction,
+        ),
     ];
     for (ladder, held, flag) in fixed {
         if let (Some(held), Some(flag)) = (held, flag)
@@ -289,7 +296,10 @@ fn ladders_agree(choices: &Choices, rungs: &Rungs, is_room: bool) -> Result<(), 
     let cone = rungs.reconstruction.as_deref().map(|name| name == "cone");
     let (what, remedy) = match (by_error, choices.emitters, cone) {
         (true, Emitters::Isolux | Emitters::LayerCake, _) => (
-            format!("emitters `{}` with placement `error`", choices.emitters.name()),
+            format!(
+                "emitters `{}` with placement `error`",
+                choices.emitters.name()
+            ),
             "take placement `isolux`, or emitters `points` or `linear`",
         ),
         (false, Emitters::Points, _) => (
@@ -345,7 +355,10 @@ fn integers_suffice(choices: &Choices, needs: &Requirements) -> Result<(), Failu
         let remedy = "leave out --arithmetic, or take --emitters isolux";
         ("has linear radiosities", remedy)
     } else if choices.emitters == Emitters::Points {
-        ("has points", "leave out --arithmetic, or take --emitters isolux")
+        (
+            "has points",
+            "leave out --arithmetic, or take --emitters isolux",
+        )
     } else if choices.emitters == Emitters::LayerCake {
         let remedy = "leave out --arithmetic, or take --emitters isolux";
         ("has increments of radiosity", remedy)

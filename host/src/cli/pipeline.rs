@@ -121,11 +121,7 @@ fn baked(
 }
 
 /// Decides where samples are and what shoots.
-fn place(
-    scene: &Scene,
-    choices: &Choices,
-    occlusion: Option<&Occlusion>,
-) -> Result<Plan, Failure> {
+fn place(scene: &Scene, choices: &Choices, occlusion: Option<&Occlusion>) -> Result<Plan, Failure> {
     let mean = |[r, g, b]: [f64; 3]| (r + g + b) / 3.0;
     let light = |reflections| judge(scene, Reflections::AtMost(reflections));
     let remedy = "change [budget] samples in the scene";
@@ -181,7 +177,9 @@ fn occlusion(
         Sight::None => Ok(None),
         Sight::VertexRays | Sight::Exact => {
             let found = Occlusion::for_receivers_within(scene, reach(scene, places));
-            found.map(Some).map_err(|error| Failure::limit(error, "split the scene"))
+            found
+                .map(Some)
+                .map_err(|error| Failure::limit(error, "split the scene"))
         }
     }
 }

@@ -98,10 +98,15 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
 
 /// Finds out before the work is done that there is no such directory.
 fn writable(file: &Path) -> Result<(), Failure> {
-    let directory = file.parent().filter(|parent| !parent.as_os_str().is_empty());
+    let directory = file
+        .parent()
+        .filter(|parent| !parent.as_os_str().is_empty());
     match directory {
         Some(directory) if !directory.is_dir() => Err(Failure::usage(
-            format!("cannot write {}: there is no such directory", file.display()),
+            format!(
+                "cannot write {}: there is no such directory",
+                file.display()
+            ),
             "create it first, or name another file with -o FILE",
         )),
         _ => Ok(()),

@@ -132,7 +132,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
             &asked,
         )
     } else {
-        let planned = pipeline::plan_or_read(scene, &arguments.rungs, arguments.plan.plan.as_deref(), &places)?;
+        let planned = pipeline::plan_or_read(
+            scene,
+            &arguments.rungs,
+            arguments.plan.plan.as_deref(),
+            &places,
+        )?;
         let solution = planned.solve(bounces)?;
         let mut answers = if arguments.reconstructed {
             reconstructed(&planned, &solution, &asked, arguments)?

@@ -81,7 +81,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     let planned = match &arguments.scene {
         Some(path) => {
             let plan = arguments.plan.as_deref();
-            Some(pipeline::plan_or_read(pipeline::read(path)?, &every_rung, plan, &[])?)
+            Some(pipeline::plan_or_read(
+                pipeline::read(path)?,
+                &every_rung,
+                plan,
+                &[],
+            )?)
         }
         None => None,
     };

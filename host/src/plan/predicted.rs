@@ -115,6 +115,10 @@ mod tests {
         let error = surface.predicted_error(2.0).unwrap();
         assert!((error - 0.05).abs() < 1e-15, "{error}");
         assert_eq!(surface.predicted_error(0.0), None);
-        assert!(Part::ALL.into_iter().all(|part| Part::named(part.name()) == Some(part)));
+        assert!(
+            Part::ALL
+                .into_iter()
+                .all(|part| Part::named(part.name()) == Some(part))
+        );
     }
 }

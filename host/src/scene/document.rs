@@ -70,11 +70,7 @@ pub(crate) struct Table<'d> {
 
 impl<'d> Table<'d> {
     /// The document's outermost table. Its keys are not checked yet.
-    pub(crate) fn root(
-        document: Document<'d>,
-        entries: &'d DeTable<'d>,
-        what: &'d str,
-    ) -> Self {
+    pub(crate) fn root(document: Document<'d>, entries: &'d DeTable<'d>, what: &'d str) -> Self {
         Self {
             document,
             entries,

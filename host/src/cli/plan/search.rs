@@ -115,15 +115,21 @@ pub(super) fn plan(
     if let Some(most) = wishes.error {
         if first.error.is_none() {
             return Err(Failure::limit(
-                format!("placement `{}` predicts no error", first.planned.placement.name()),
+                format!(
+                    "placement `{}` predicts no error",
+                    first.planned.placement.name()
+                ),
                 "leave out --max-error, or take --placement error",
             ));
         }
         if wishes.samples.is_none() {
-            first = more(first, most, wishes, &attempt)?;
+            first = more(first, most, &attempt)?;
         }
     }
-    let wanted = (first.cost(), wishes.error.is_some_and(|most| first.errs_within(most)));
+    let wanted = (
+        first.cost(),
+        wishes.error.is_some_and(|most| first.errs_within(most)),
+    );
     let largest = match first.fits(wishes) {
         true => first,
         false => largest_that_fits(first, wishes, &attempt)?,
@@ -141,14 +147,9 @@ pub(super) fn plan(
 type Attempt<'a> = dyn Fn(Option<u64>) -> Result<Found, Failure> + 'a;
 
 /// More samples than a scene without a budget takes, while that lessens the error.
-fn more(
-    mut best: Found,
-    most: f64,
-    wishes: &Wishes,
-    attempt: &Attempt<'_>,
-) -> Result<Found, Failure> {
+fn more(mut best: Found, most: f64, attempt: &Attempt<'_>) -> Result<Found, Failure> {
     for _ in 0..DOUBLINGS {
-        if best.errs_within(most) || !best.fits(wishes) {
+        if best.errs_within(most) {
             break;
         }
         let next = match attempt(Some(2 * best.samples())) {
@@ -220,7 +221,11 @@ fn largest_that_fits(
             false => "--flash",
         };
         Failure::limit(
-            format!("no plan of scene `{}` meets the wish {flag}: the smallest takes {}", smallest.planned.scene.name, smallest.cost()),
+            format!(
+                "no plan of scene `{}` meets the wish {flag}: the smallest takes {}",
+                smallest.planned.scene.name,
+                smallest.cost()
+            ),
             format!("raise {flag} to that, or split the scene"),
         )
     })
@@ -255,7 +260,9 @@ fn smallest_within(
 fn unmet(nearest: &Found, most: f64, (wanted, met): (String, bool)) -> Failure {
     let predicted = percent(100.0 * nearest.error.unwrap_or(f64::INFINITY));
     let remedy = match met {
-        true => format!("the error takes {wanted}: raise --ram or --flash to that, or take --max-error {predicted}%"),
+        true => format!(
+            "the error takes {wanted}: raise --ram or --flash to that, or take --max-error {predicted}%"
+        ),
         false => format!("raise --samples, or take --max-error {predicted}%, rounded up"),
     };
     Failure::limit(

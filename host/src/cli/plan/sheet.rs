@@ -63,7 +63,9 @@ impl Sheet {
             by_tag: by_tag(planned),
             free_samples: planned.free_samples(),
             emitters: planned.areas().len(),
-            predicted_error: planned.predicted_error(surface.area).map(|error| 100.0 * error),
+            predicted_error: planned
+                .predicted_error(surface.area)
+                .map(|error| 100.0 * error),
         };
         Self {
             scene: scene.name.clone(),
@@ -118,12 +120,22 @@ impl Sheet {
             Some(error) => format!("  predicted error {} % (relative, rms)\n", percent(error)),
             None => "  no error is predicted: the placement is not by error\n".to_owned(),
         };
-        let width = self.surfaces.iter().map(|s| s.name.chars().count()).max().unwrap_or(0);
+        let width = self
+            .surfaces
+            .iter()
+            .map(|s| s.name.chars().count())
+            .max()
+            .unwrap_or(0);
         for surface in &self.surfaces {
-            let tags = surface.by_tag.iter().map(|(tag, count)| format!("{count} {tag}"));
+            let tags = surface
+                .by_tag
+                .iter()
+                .map(|(tag, count)| format!("{count} {tag}"));
             let tags: Vec<String> = tags.collect();
             let error = surface.predicted_error;
-            let error = error.map_or(String::new(), |error| format!(", error {} %", percent(error)));
+            let error = error.map_or(String::new(), |error| {
+                format!(", error {} %", percent(error))
+            });
             text += &format!(
                 "  {:width$}  {:>4} samples ({}), {} free, {} emitters{error}\n",
                 surface.name,

@@ -54,7 +54,11 @@ pub(super) fn read(
         }
     }
     if let Some(field) = table.optional("band") {
-        for (band, line) in field.tables("a band")?.iter().zip(field.elements("bands", "")?) {
+        for (band, line) in field
+            .tables("a band")?
+            .iter()
+            .zip(field.elements("bands", "")?)
+        {
             let band = of.band(band)?;
             let its = match band.weights.is_empty() {
                 true => Kind::Plain,
@@ -67,7 +71,11 @@ pub(super) fn read(
         }
     }
     if let Some(field) = table.optional("patch") {
-        for (patch, line) in field.tables("a patch")?.iter().zip(field.elements("patches", "")?) {
+        for (patch, line) in field
+            .tables("a patch")?
+            .iter()
+            .zip(field.elements("patches", "")?)
+        {
             emitters.patches.push(of.patch(patch)?);
             agrees(&line, Kind::Linear, kind)?;
         }
@@ -110,7 +118,10 @@ impl Surface<'_> {
     fn point(&self, line: &Field<'_>) -> Result<Point, Diagnostic> {
         let parts = line.elements("a point [sample, area]", POINT)?;
         let [sample, area] = parts.as_slice() else {
-            return Err(line.error("a point is [sample, area]", format!("write it like {POINT}")));
+            return Err(line.error(
+                "a point is [sample, area]",
+                format!("write it like {POINT}"),
+            ));
         };
         Ok(Point {
             sample: self.index(sample)?,
@@ -128,7 +139,10 @@ impl Surface<'_> {
         for line in field.elements("a list of loops", "`loops = [[0, 1, 2]]`")? {
             let outline = indices(&line, self.samples, "samples of this surface")?;
             if outline.len() < 3 {
-                return Err(line.error("a loop has at least three vertices", "write it like `[0, 1, 2]`"));
+                return Err(line.error(
+                    "a loop has at least three vertices",
+                    "write it like `[0, 1, 2]`",
+                ));
             }
             loops.push(outline);
         }
@@ -160,9 +174,15 @@ impl Surface<'_> {
         let area = self.area(&area, 0.0, "`area = 2.5`")?;
         let field = table.required("pieces", PIECES)?;
         let pieces = field.elements("a list of polygons", PIECES)?;
-        let pieces: Vec<Vec<[f64; 2]>> = pieces.iter().map(|line| self.piece(line)).collect::<Result<_, _>>()?;
+        let pieces: Vec<Vec<[f64; 2]>> = pieces
+            .iter()
+            .map(|line| self.piece(line))
+            .collect::<Result<_, _>>()?;
         if pieces.is_empty() {
-            return Err(field.error("a patch has at least one piece", format!("write it like {PIECES}")));
+            return Err(field.error(
+                "a patch has at least one piece",
+                format!("write it like {PIECES}"),
+            ));
         }
         let (center, scale) = own_frame(&pieces);
         let field = table.required("members", "members = [[0, 1.0, 0.0, 0.0]]")?;

@@ -80,7 +80,12 @@ fn read_tensor(
             "it is what a node of 1 is away from `center`, in metres",
         ));
     }
-    if (0..2).any(|axis| tensor.matrix(axis).iter().any(|x| !(-STEEPEST..=STEEPEST).contains(x))) {
+    if (0..2).any(|axis| {
+        tensor
+            .matrix(axis)
+            .iter()
+            .any(|x| !(-STEEPEST..=STEEPEST).contains(x))
+    }) {
         let at = table.required("nodes-u", "nodes-u = [-0.5, 0.5]")?;
         return Err(at.error(
             "nodes along u or v are so close to each other that polynomials through them are too steep",
@@ -112,7 +117,10 @@ fn on_nodes(tensor: &Tensor, samples: &Samples<'_>, sizes: [f64; 2]) -> Result<(
     for (k, node) in (tensor.first..).zip(tensor.places()) {
         let place = samples.all.get(k).map_or(node, |sample| sample.place);
         if (place[0] - node[0]).hypot(place[1] - node[1]) > far {
-            let message = format!("the sample is not at its node of a tensor grid, [{:?}, {:?}]", node[0], node[1]);
+            let message = format!(
+                "the sample is not at its node of a tensor grid, [{:?}, {:?}]",
+                node[0], node[1]
+            );
             let remedy = "move a row or column of samples together with its node; samples of meshes may lie anywhere";
             if let Some(diagnostic) = samples.error(k, message, remedy) {
                 return Err(diagnostic);
@@ -128,7 +136,10 @@ fn nodes(table: &Table<'_>, key: &'static str) -> Result<Vec<f64>, Diagnostic> {
     let elements = field.elements("a list of nodes", example)?;
     if elements.is_empty() || elements.len() > MOST_NODES {
         return Err(field.error(
-            format!("a tensor grid has 1 to {MOST_NODES} nodes along a side, not {}", elements.len()),
+            format!(
+                "a tensor grid has 1 to {MOST_NODES} nodes along a side, not {}",
+                elements.len()
+            ),
             format!("write them like {example}"),
         ));
     }
@@ -152,37 +163,51 @@ fn factor(field: &Field<'_>) -> Result<[f64; 3], Diagnostic> {
             let number = |field| within(field, -LARGEST..=LARGEST, example);
             Ok([number(s)?, number(along_u)?, number(along_v)?])
         }
-        _ => Err(field.error("a factor is three numbers", format!("write it like {example}"))),
+        _ => Err(field.error(
+            "a factor is three numbers",
+            format!("write it like {example}"),
+        )),
     }
 }
 
-fn read_mesh(
-    field: &Field<'_>,
-    samples: &Samples<'_>,
-    frame: &Frame,
-) -> Result<Mesh, Diagnostic> {
+fn read_mesh(field: &Field<'_>, samples: &Samples<'_>, frame: &Frame) -> Result<Mesh, Diagnostic> {
     let table = field.table("a mesh")?;
     let table = table.only(&["first", "samples", "outside", "nodes", "triangles"])?;
     let all = samples.all.len();
     let first = table.required("first", "first = 0")?;
-    // It may have none of its own, behind all the others.
-    let first = index(&first, all + 1, "samples of this surface")?;
     let count = table.required("samples", "samples = 12")?;
-    let count = index(&count, all + 1 - first, "samples from its first on")?;
+    let (first, count) = (number(&first, all)?, number(&count, all)?);
+    if first + count > all {
+        let at = table.required("samples", "samples = 12")?;
+        return Err(at.error(
+            format!("the mesh needs {count} samples from sample {first} on, the surface has {all}"),
+            "lower `first` or `samples`, or give the surface more samples",
+        ));
+    }
     let outside = table.optional("outside");
     let outside = outside.map(|field| within(&field, 0.0..=1.0, "`outside = 1.0`"));
     let nodes = table.required("nodes", "nodes = [[0.0, 0.0, 1.0]]")?;
     let lines = nodes.elements("a list of nodes", NODE)?;
     if lines.len() > MOST {
-        return Err(nodes.error(format!("a mesh has at most {MOST} nodes"), "plan with fewer"));
+        return Err(nodes.error(
+            format!("a mesh has at most {MOST} nodes"),
+            "plan with fewer",
+        ));
     }
-    let nodes: Vec<Node> = lines.iter().map(|line| read_node(line, count, frame)).collect::<Result<_, _>>()?;
+    let nodes: Vec<Node> = lines
+        .iter()
+        .map(|line| read_node(line, count, frame))
+        .collect::<Result<_, _>>()?;
     let field = table.required("triangles", "triangles = [[0, 1, 2]]")?;
     let mut triangles = Vec::new();
     for line in field.elements("a list of triangles", "`[0, 1, 2]`")? {
         let corners = indices(&line, nodes.len(), "nodes of this mesh")?;
         let corners: Result<[usize; 3], _> = corners.try_into();
-        triangles.push(corners.map_err(|_| line.error("a triangle has three nodes", "write it like `[0, 1, 2]`"))?);
+        triangles.push(
+            corners.map_err(|_| {
+                line.error("a triangle has three nodes", "write it like `[0, 1, 2]`")
+            })?,
+        );
     }
     Ok(Mesh {
         first,
@@ -190,6 +215,19 @@ fn read_mesh(
         nodes,
         triangles,
         outside: outside.transpose()?,
+    })
+}
+
+/// A whole number up to all samples of a surface.
+fn number(field: &Field<'_>, all: usize) -> Result<usize, Diagnostic> {
+    let number = field
+        .as_integer()
+        .and_then(|integer| usize::try_from(integer).ok());
+    number.filter(|&number| number <= all).ok_or_else(|| {
+        field.error(
+            format!("this is no number of samples up to {all}, which the surface has"),
+            "write a whole number",
+        )
     })
 }
 
@@ -206,7 +244,10 @@ fn read_node(line: &Field<'_>, samples: usize, frame: &Frame) -> Result<Node, Di
         let parts = field.elements("a share [sample, weight]", NODE)?;
         match parts.as_slice() {
             [sample, of] => Ok((index(sample, samples, "samples of this mesh")?, weight(of)?)),
-            _ => Err(field.error("a share is [sample, weight]", format!("write it like {NODE}"))),
+            _ => Err(field.error(
+                "a share is [sample, weight]",
+                format!("write it like {NODE}"),
+            )),
         }
     };
     Ok(Node {

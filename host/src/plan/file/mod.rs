@@ -100,7 +100,9 @@ const LADDERS: [&str; 3] = ["arithmetic", "visibility", "transfer"];
 
 fn read_rungs(root: &Table<'_>) -> Result<Rungs, Diagnostic> {
     if let Some(field) = root.optional("rungs") {
-        field.table("the table `[rungs]` of a plan")?.only(&LADDERS)?;
+        field
+            .table("the table `[rungs]` of a plan")?
+            .only(&LADDERS)?;
     }
     settings::rungs(root)
 }

@@ -57,7 +57,10 @@ pub(super) fn read(root: &Table<'_>, scene: &Scene) -> Result<Vec<SurfacePlan>, 
     let there = |(surface, found): (&Surface, Option<SurfacePlan>)| {
         found.ok_or_else(|| {
             root.error(
-                format!("the plan knows nothing of the scene's surface `{}`", surface.name),
+                format!(
+                    "the plan knows nothing of the scene's surface `{}`",
+                    surface.name
+                ),
                 ANEW,
             )
         })
@@ -70,8 +73,9 @@ fn named(name: &Field<'_>, scene: &Scene) -> Result<usize, Diagnostic> {
     let text = name.name()?;
     scene.surface_named(&text).ok_or_else(|| {
         let names = scene.surfaces.iter().map(|surface| surface.name.as_str());
-        let guess = nearest_name(&text, names)
-            .map_or(String::new(), |near| format!("did you mean `{near}`? else "));
+        let guess = nearest_name(&text, names).map_or(String::new(), |near| {
+            format!("did you mean `{near}`? else ")
+        });
         name.error(
             format!("the scene has no surface `{text}`"),
             format!("{guess}name the scene that the plan was made for, or {ANEW}"),
@@ -97,7 +101,10 @@ fn surface(
     let samples = Samples::read(table, &frame)?;
     if surface.reflects() && samples.all.is_empty() {
         return Err(table.error(
-            format!("surface `{}` reflects now, and did not when this was planned: it has no samples", surface.name),
+            format!(
+                "surface `{}` reflects now, and did not when this was planned: it has no samples",
+                surface.name
+            ),
             ANEW,
         ));
     }
@@ -130,7 +137,10 @@ fn surface(
 fn same_geometry(table: &Table<'_>, surface: &Surface, frame: &Frame) -> Result<(), Diagnostic> {
     let other = |field: &Field<'_>, what: &str| {
         field.error(
-            format!("the {what} of surface `{}` is another one in the scene", surface.name),
+            format!(
+                "the {what} of surface `{}` is another one in the scene",
+                surface.name
+            ),
             format!("name the scene that the plan was made for, or {ANEW}"),
         )
     };
@@ -167,11 +177,17 @@ fn predicted(table: &Table<'_>) -> Result<Vec<Predicted>, Diagnostic> {
     let one = |element: &Field<'_>| -> Result<Predicted, Diagnostic> {
         let parts = element.elements("[part, error, area]", example)?;
         let [name, rms, area] = parts.as_slice() else {
-            return Err(element.error("a prediction is [part, error, area]", format!("write it like {example}")));
+            return Err(element.error(
+                "a prediction is [part, error, area]",
+                format!("write it like {example}"),
+            ));
         };
         let known = Part::ALL.map(Part::name);
         let part = Part::named(name.string(example)?).ok_or_else(|| {
-            name.error("no part of the light is called that", format!("the parts are {}", listed(&known)))
+            name.error(
+                "no part of the light is called that",
+                format!("the parts are {}", listed(&known)),
+            )
         })?;
         Ok(Predicted {
             part,
@@ -180,7 +196,11 @@ fn predicted(table: &Table<'_>) -> Result<Vec<Predicted>, Diagnostic> {
         })
     };
     match table.optional("predicted") {
-        Some(field) => field.elements("a list of predictions", example)?.iter().map(one).collect(),
+        Some(field) => field
+            .elements("a list of predictions", example)?
+            .iter()
+            .map(one)
+            .collect(),
         None => Ok(Vec::new()),
     }
 }
@@ -195,7 +215,11 @@ pub(super) fn within(
     match range.contains(&number) {
         true => Ok(number),
         false => Err(field.error(
-            format!("this must be between {:?} and {:?}", range.start(), range.end()),
+            format!(
+                "this must be between {:?} and {:?}",
+                range.start(),
+                range.end()
+            ),
             format!("write it like {example}"),
         )),
     }
@@ -235,10 +259,15 @@ pub(super) fn index(field: &Field<'_>, end: usize, of: &str) -> Result<usize, Di
         0 => format!("there are no {of}"),
         _ => format!("write a whole number from 0 to {}", end - 1),
     };
-    let number = field.as_integer().and_then(|integer| usize::try_from(integer).ok());
+    let number = field
+        .as_integer()
+        .and_then(|integer| usize::try_from(integer).ok());
     match number {
         Some(number) if number < end => Ok(number),
-        Some(number) => Err(field.error(format!("{number} is beyond the {of}, of which there are {end}"), remedy)),
+        Some(number) => Err(field.error(
+            format!("{number} is beyond the {of}, of which there are {end}"),
+            remedy,
+        )),
         None => Err(field.error(format!("this must be an index into the {of}"), remedy)),
     }
 }
@@ -246,5 +275,8 @@ pub(super) fn index(field: &Field<'_>, end: usize, of: &str) -> Result<usize, Di
 /// The elements of a list of indices.
 pub(super) fn indices(field: &Field<'_>, end: usize, of: &str) -> Result<Vec<usize>, Diagnostic> {
     let elements = field.elements("a list of whole numbers", "`[0, 1, 2]`")?;
-    elements.iter().map(|element| index(element, end, of)).collect()
+    elements
+        .iter()
+        .map(|element| index(element, end, of))
+        .collect()
 }

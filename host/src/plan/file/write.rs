@@ -1,7 +1,7 @@
 //! A plan as text: one sample, node, triangle or member of an emitter a line.
 
-use super::super::fields::{Field, Mesh, Node};
 use super::super::fields::tensor::Tensor;
+use super::super::fields::{Field, Mesh, Node};
 use super::super::patches::Patch;
 use super::super::{Band, Plan, Sample, SurfacePlan};
 use super::{LADDERS, VERSION};
@@ -109,7 +109,10 @@ fn of_surface(surface: &Surface, planned: &SurfacePlan) -> String {
     if !planned.points.is_empty() {
         let points = planned.points.iter();
         text += POINTS;
-        text += &lines("points", points.map(|p| format!("[{}, {:?}]", p.sample, p.area)));
+        text += &lines(
+            "points",
+            points.map(|p| format!("[{}, {:?}]", p.sample, p.area)),
+        );
     }
     text += &section(BANDS, planned.bands.iter().map(of_band));
     text += &section(PATCHES, planned.patches.iter().map(of_patch));
@@ -129,13 +132,19 @@ fn of_sample(sample: &Sample) -> String {
     let ([u, v], tag) = (sample.place, sample.tag.name());
     match sample.vertex == sample.place {
         true => format!("[{u:?}, {v:?}, \"{tag}\"]"),
-        false => format!("[{u:?}, {v:?}, \"{tag}\", {:?}, {:?}]", sample.vertex[0], sample.vertex[1]),
+        false => format!(
+            "[{u:?}, {v:?}, \"{tag}\", {:?}, {:?}]",
+            sample.vertex[0], sample.vertex[1]
+        ),
     }
 }
 
 fn of_band(band: &Band) -> String {
     let mut text = format!("\n[[surface.band]]\narea = {:?}\n", band.area);
-    text += &lines("loops", band.loops.iter().map(|outline| format!("{outline:?}")));
+    text += &lines(
+        "loops",
+        band.loops.iter().map(|outline| format!("{outline:?}")),
+    );
     text += &format!("members = {:?}\n", band.members);
     if !band.weights.is_empty() {
         let weights: Vec<String> = band.weights.iter().map(|&w| single(w)).collect();
@@ -185,7 +194,10 @@ fn of_mesh(mesh: &Mesh) -> String {
         text += &format!("outside = {}\n", single(outside));
     }
     text += &lines("nodes", mesh.nodes.iter().map(of_node));
-    text + &lines("triangles", mesh.triangles.iter().map(|corners| format!("{corners:?}")))
+    text + &lines(
+        "triangles",
+        mesh.triangles.iter().map(|corners| format!("{corners:?}")),
+    )
 }
 
 fn of_node(node: &Node) -> String {
@@ -243,7 +255,11 @@ mod tests {
             let weight = f64::from(count) * f64::from(SHARE);
             let read: f64 = units(weight).parse().unwrap();
             assert_eq!((read / f64::from(SHARE)).round(), f64::from(count));
-            assert!(units(weight).contains('.'), "a TOML float: {}", units(weight));
+            assert!(
+                units(weight).contains('.'),
+                "a TOML float: {}",
+                units(weight)
+            );
         }
         assert_eq!(units(0.5), "0.5");
         assert_eq!(units(1.0), "1.0");
