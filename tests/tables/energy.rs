@@ -91,6 +91,7 @@ fn patches(surface: &scene::Surface, side: usize) -> SurfacePlan {
         patches: Vec::new(),
         points: Vec::new(),
         fields: Vec::new(),
+        predicted: Vec::new(),
         filter_radius: if surface.reflectance[0] == 0.0 {
             0.0
         } else {

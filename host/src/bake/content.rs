@@ -5,11 +5,11 @@ use super::fields::Fields;
 use super::{TooLarge, codes};
 use crate::occlusion::Occlusion;
 use crate::plan::patches::Patch;
-use crate::plan::patches::shapes::{convex_pieces, first_moment, hull, signed_area};
+use crate::plan::patches::shapes::{convex_pieces, hull, own_frame};
 use crate::plan::{Band, Plan, Point, SurfacePlan};
 use crate::scene::Scene;
 use crate::scene::requires::requirements;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay;
@@ -303,18 +303,6 @@ impl Content {
         });
         self.vertices.extend(vertices);
     }
-}
-
-/// Centroid in the surface's frame and unit of length of an emitter's own
-/// coordinates: no corner is farther than 1.
-fn own_frame(pieces: &[Vec<[f64; 2]>]) -> ([f64; 2], f64) {
-    let (moment, area) = pieces.iter().fold((DVec2::ZERO, 0.0), |sum, piece| {
-        (sum.0 + first_moment(piece), sum.1 + signed_area(piece))
-    });
-    let center = moment / area;
-    let corners = pieces.iter().flatten();
-    let farthest = corners.map(|&corner| DVec2::from(corner).distance(center));
-    (center.into(), farthest.fold(0.0, f64::max))
 }
 
 fn in_space(planned: &SurfacePlan, places: &[[f64; 2]]) -> Vec<[f32; 3]> {

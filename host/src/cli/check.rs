@@ -1,9 +1,9 @@
 //! `isolux check`: is the scene sound, and what does it require?
 
-use super::SceneArgument;
 use super::choice::{self, Emitters, RungArguments};
 use super::failure::Failure;
 use super::pipeline;
+use super::{PlanArgument, SceneArgument};
 use crate::occlusion::Solids;
 use crate::scene::requires::{Need, Requirements, requirements};
 use crate::scene::{Body, Scene};
@@ -18,6 +18,8 @@ use std::io::Write;
 pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArgument,
+    #[command(flatten)]
+    plan: PlanArgument,
     #[command(flatten)]
     rungs: RungArguments,
 }
@@ -100,7 +102,8 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         scene: scene.name.clone(),
     };
     // What this build lacks or a budget forbids is an answer here, no failure.
-    let planned = pipeline::plan(scene, &arguments.rungs, &[]);
+    let planned =
+        pipeline::plan_or_read(scene, &arguments.rungs, arguments.plan.plan.as_deref(), &[]);
     match planned.and_then(|planned| Ok((planned.ram()?, planned))) {
         Ok(((ram, sight), planned)) => {
             checked.capacities = Some(Capacities::of(&planned.tables.counts, sight));

@@ -1,7 +1,9 @@
-//! Which rung of each accuracy ladder a command takes: the flag, else what the
-//! scene asks for, else the default.
+//! Which rung of each accuracy ladder a command takes: the flag, else what a plan
+//! file was made for, else what the scene asks for, else the default.
 
 use super::failure::Failure;
+use crate::plan::file::Saved;
+use crate::plan::{Plan, SurfacePlan};
 use crate::scene::requires::Requirements;
 use crate::scene::rungs::LADDERS;
 use crate::scene::{Rungs, Scene};
@@ -229,6 +231,73 @@ pub(super) fn choices(
     integers_suffice(&choices, needs)?;
     ladders_agree(&choices, &rungs, is_room)?;
     Ok(choices)
+}
+
+/// The name of the rung of reconstruction that a plan has.
+pub(super) fn reconstruction(plan: &Plan) -> &'static str {
+    let fields = || plan.surfaces.iter().flat_map(|s| &s.fields);
+    match (fields().next(), fields().any(|field| field.mesh.is_some())) {
+        (None, _) => "cone",
+        (_, false) => "tensor",
+        (_, true) => "stencil",
+    }
+}
+
+/// What shoots in a plan; `None` where nothing reflects.
+fn emitters(plan: &Plan) -> Option<Emitters> {
+    let any = |holds: fn(&SurfacePlan) -> bool| plan.surfaces.iter().any(holds);
+    match () {
+        () if plan.is_linear() => Some(Emitters::Linear),
+        () if any(|surface| !surface.points.is_empty()) => Some(Emitters::Points),
+        () if plan.is_layered() => Some(Emitters::LayerCake),
+        () => any(|surface| !surface.bands.is_empty()).then_some(Emitters::Isolux),
+    }
+}
+
+/// The rungs of a plan file: those it names, else the scene's own, and those that its
+/// samples and emitters are.
+///
+/// # Errors
+/// Where a flag asks for what only another plan can have.
+pub(super) fn of_saved(
+    saved: &Saved,
+    flags: &RungArguments,
+    own: &Rungs,
+) -> Result<Rungs, Failure> {
+    let reconstruction = reconstruction(&saved.plan);
+    let placement = match reconstruction {
+        "cone" => Placement::Isolux,
+        _ => Placement::Error,
+    };
+    let emitters = emitters(&saved.plan).map(Emitters::name);
+    let fixed = [
+        ("emitters", emitters, &flags.emitters),
+        ("placement", Some(placement.name()), &flags.placement),
+        (
+            "reconstruction",
+            Some(reconstruction),
+            &flags.reconstruction,
+        ),
+    ];
+    for (ladder, held, flag) in fixed {
+        if let (Some(held), Some(flag)) = (held, flag)
+            && held != flag
+        {
+            return Err(Failure::usage(
+                format!("the plan has {ladder} `{held}`, and --{ladder} asks for `{flag}`"),
+                format!("leave out --{ladder}, or make such a plan: isolux plan --{ladder} {flag}"),
+            ));
+        }
+    }
+    let named = |saved: &Option<String>, own: &Option<String>| saved.clone().or(own.clone());
+    Ok(Rungs {
+        arithmetic: named(&saved.rungs.arithmetic, &own.arithmetic),
+        visibility: named(&saved.rungs.visibility, &own.visibility),
+        transfer: named(&saved.rungs.transfer, &own.transfer),
+        emitters: emitters.map(str::to_owned),
+        placement: Some(placement.name().to_owned()),
+        reconstruction: None,
+    })
 }
 
 /// Refuses rungs that do not go together.

@@ -4,7 +4,7 @@ use super::choice::RungArguments;
 use super::failure::Failure;
 use super::pipeline::{self, Planned};
 use super::render::GRID;
-use super::{BouncesArgument, SceneArgument};
+use super::{BouncesArgument, PlanArgument, SceneArgument};
 use crate::device::{self, Core, Job, Measured, Options};
 use crate::report::Progress;
 use crate::solve::Solution;
@@ -24,13 +24,16 @@ pub(super) struct Arguments {
     #[arg(long)]
     negative_control: bool,
     #[command(flatten)]
+    plan: PlanArgument,
+    #[command(flatten)]
     rungs: RungArguments,
 }
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
-    let planned = pipeline::plan(
+    let planned = pipeline::plan_or_read(
         pipeline::read(&arguments.scene.scene)?,
         &arguments.rungs,
+        arguments.plan.plan.as_deref(),
         &[],
     )?;
     let bounces = arguments.bounces.bounces;

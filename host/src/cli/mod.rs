@@ -9,6 +9,7 @@ mod device;
 mod failure;
 mod form_factor;
 mod pipeline;
+mod plan;
 mod render;
 mod solve;
 mod trade;
@@ -36,6 +37,8 @@ struct Arguments {
 enum Command {
     /// Validate a scene and say what it requires.
     Check(check::Arguments),
+    /// Place the samples of a scene within its budget, and write them down.
+    Plan(plan::Arguments),
     /// Plan, solve and judge a scene; draw pictures and the error table.
     Render(render::Arguments),
     /// Irradiance at points, evaluated by the kernel.
@@ -54,6 +57,14 @@ struct SceneArgument {
     /// The scene file, or the name of a scene that isolux ships: paper, paper-aspect,
     /// penumbra, cornell, cornell-rgb, office.
     scene: PathBuf,
+}
+
+/// A plan to use in place of planning.
+#[derive(Clone, Debug, Default, Args)]
+struct PlanArgument {
+    /// A plan file that `isolux plan` wrote for these surfaces: nothing is planned.
+    #[arg(long, value_name = "FILE")]
+    plan: Option<PathBuf>,
 }
 
 /// How often light is reflected.
@@ -90,6 +101,7 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
     match arguments.command {
         None => render::run(&render::Arguments::of_the_paper(), json),
         Some(Command::Check(arguments)) => check::run(&arguments, json),
+        Some(Command::Plan(arguments)) => plan::run(&arguments, json),
         Some(Command::Render(arguments)) => render::run(&arguments, json),
         Some(Command::Solve(arguments)) => solve::run(&arguments, json),
         Some(Command::FormFactor(arguments)) => form_factor::run(&arguments, json),

@@ -61,6 +61,38 @@ pub(super) fn plan(
     let choices = choice::choices(rungs, &scene, &needs)?;
     let occlusion = occlusion(&scene, &choices, places)?;
     let plan = place(&scene, &choices, occlusion.as_ref(), places)?;
+    baked(scene, &choices, plan, occlusion)
+}
+
+/// As [`plan`], with a plan that is made already where a file is given.
+///
+/// The rungs of the file go before the scene's own, and flags before both; a flag that
+/// asks for other samples or emitters than it holds is refused.
+pub(super) fn plan_or_read(
+    scene: Scene,
+    rungs: &RungArguments,
+    file: Option<&Path>,
+    places: &[DVec3],
+) -> Result<Planned, Failure> {
+    let Some(file) = file else {
+        return plan(scene, rungs, places);
+    };
+    let saved = plan::file::read(file, &scene)?;
+    let asking = Scene {
+        rungs: choice::of_saved(&saved, rungs, &scene.rungs)?,
+        ..scene.clone()
+    };
+    let choices = choice::choices(rungs, &asking, &requirements(&scene))?;
+    let occlusion = occlusion(&scene, &choices, places)?;
+    baked(scene, &choices, saved.plan, occlusion)
+}
+
+fn baked(
+    scene: Scene,
+    choices: &Choices,
+    plan: Plan,
+    occlusion: Option<Occlusion>,
+) -> Result<Planned, Failure> {
     let tables = if choices.arithmetic.is_integer() {
         bake::integers::bake(&scene, &plan).map_err(too_large)?
     } else {
@@ -175,12 +207,7 @@ fn reach(scene: &Scene, places: &[DVec3]) -> Vec<DVec3> {
 impl Planned {
     /// The name of the rung of reconstruction.
     pub(super) fn reconstruction(&self) -> &'static str {
-        let fields = || self.plan.surfaces.iter().flat_map(|s| &s.fields);
-        match (fields().next(), fields().any(|field| field.mesh.is_some())) {
-            (None, _) => "cone",
-            (_, false) => "tensor",
-            (_, true) => "stencil",
-        }
+        choice::reconstruction(&self.plan)
     }
 
     /// Bytes of RAM that the kernel's state takes on the device: the light, the room

@@ -6,7 +6,7 @@ mod words;
 use super::choice::RungArguments;
 use super::failure::Failure;
 use super::pipeline::{self, Planned};
-use super::{BouncesArgument, SceneArgument};
+use super::{BouncesArgument, PlanArgument, SceneArgument};
 use crate::baseline::{self, Baseline, Parameters, Stop};
 use crate::compare::{self, Answers, Balance, Compared, Errors, Seen, effort, errors_by_scale};
 use crate::occlusion::Solids;
@@ -35,6 +35,8 @@ pub(super) struct Arguments {
     #[command(flatten)]
     bounces: BouncesArgument,
     #[command(flatten)]
+    plan: PlanArgument,
+    #[command(flatten)]
     rungs: RungArguments,
 }
 
@@ -54,6 +56,7 @@ impl Arguments {
             output: "isolux-out".into(),
             resolution: PIXELS,
             bounces: BouncesArgument { bounces: None },
+            plan: PlanArgument::default(),
             rungs: RungArguments::default(),
         }
     }
@@ -141,9 +144,10 @@ struct ClassicalErrors<'a> {
 }
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
-    let planned = pipeline::plan(
+    let planned = pipeline::plan_or_read(
         pipeline::read(&arguments.scene.scene)?,
         &arguments.rungs,
+        arguments.plan.plan.as_deref(),
         &[],
     )?;
     let bounces = arguments.bounces.bounces;

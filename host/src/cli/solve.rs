@@ -3,7 +3,7 @@
 use super::choice::RungArguments;
 use super::failure::Failure;
 use super::pipeline::{self, Planned};
-use super::{BouncesArgument, SceneArgument};
+use super::{BouncesArgument, PlanArgument, SceneArgument};
 use crate::compare::{self, Balance};
 use crate::reference::Reference;
 use crate::report;
@@ -33,11 +33,13 @@ pub(super) struct Arguments {
     #[command(flatten)]
     bounces: BouncesArgument,
     /// Answer from the f64 reference.
-    #[arg(long, conflicts_with = "reconstructed")]
+    #[arg(long, conflicts_with_all = ["reconstructed", "plan"])]
     reference: bool,
     /// Answer from the planned samples: points must lie on planned surfaces.
     #[arg(long)]
     reconstructed: bool,
+    #[command(flatten)]
+    plan: PlanArgument,
     #[command(flatten)]
     rungs: RungArguments,
 }
@@ -134,7 +136,8 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
             at_points: !arguments.reconstructed,
             ..arguments.rungs.clone()
         };
-        let planned = pipeline::plan(scene, &rungs, &places)?;
+        let planned =
+            pipeline::plan_or_read(scene, &rungs, arguments.plan.plan.as_deref(), &places)?;
         let solution = planned.solve(bounces)?;
         let mut answers = if arguments.reconstructed {
             reconstructed(&planned, &solution, &asked, arguments)?

@@ -39,6 +39,10 @@ pub(super) struct Arguments {
     /// Only the rungs of visibility, emitters and transfer in the scene.
     #[arg(long, requires = "scene")]
     without_arithmetic: bool,
+    /// A plan file that `isolux plan` wrote for the scene: what has its emitters is not
+    /// planned.
+    #[arg(long, value_name = "FILE", requires = "scene")]
+    plan: Option<PathBuf>,
     #[command(flatten)]
     rungs: RungArguments,
 }
@@ -78,13 +82,21 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     every_rung.at_points = true;
     every_rung.arithmetic = Some(FormFactorRung::default().name().to_owned());
     let planned = match &arguments.scene {
-        Some(path) => Some(pipeline::plan(pipeline::read(path)?, &every_rung, &[])?),
+        Some(path) => {
+            let plan = arguments.plan.as_deref();
+            Some(pipeline::plan_or_read(
+                pipeline::read(path)?,
+                &every_rung,
+                plan,
+                &[],
+            )?)
+        }
         None => None,
     };
     make(&arguments.output)?;
     let step = |name: &str| Progress::start(name, 0).finish();
     if let (true, Some(planned)) = (arguments.without_arithmetic, &planned) {
-        return rooms::run(arguments, &planned.scene, json, step);
+        return rooms::run(arguments, planned, json, step);
     }
     let measured = trade::form_factors(step).map_err(|error| Failure::limit(error, ""))?;
     let Trade {
@@ -115,12 +127,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
             let on_device = rows.iter().any(|row| row.device.is_some());
             let found = trade::scene(&judged, on_device, step);
             let found = found.map_err(|error| Failure::limit(error, ""))?;
-            let (scene, rungs) = (&planned.scene, &arguments.rungs);
+            let scene = &planned.scene;
             Some(OfScene {
                 name: scene.name.clone(),
                 reflections,
                 rungs: found,
-                room: rooms::measure(scene, rungs, arguments.bounces, on_device, step)?,
+                room: rooms::measure(arguments, planned, on_device, step)?,
             })
         }
         None => None,

@@ -12,12 +12,14 @@
 
 mod error;
 pub mod fields;
+pub mod file;
 mod isolux;
 mod layers;
 mod map;
 mod outline;
 pub mod patches;
 mod pool;
+mod predicted;
 pub mod room;
 pub mod shadow;
 mod share;
@@ -29,6 +31,7 @@ pub use error::error_driven;
 use fields::Field as Term;
 use glam::DVec3;
 use patches::Patch;
+pub use predicted::{Part, Predicted};
 use std::f64::consts::PI;
 
 /// Where the samples of a scene are, and which polygons shoot.
@@ -57,6 +60,8 @@ pub struct SurfacePlan {
     pub fields: Vec<Term>,
     /// Radius of the cone filter in metres; 0 where there are no samples.
     pub filter_radius: f64,
+    /// What it is predicted to err by; nothing where the planner made no prediction.
+    pub predicted: Vec<Predicted>,
 }
 
 /// A sample that shoots what reaches it: a secondary emitter for receivers that
@@ -80,6 +85,7 @@ impl SurfacePlan {
             points: Vec::new(),
             fields: Vec::new(),
             filter_radius: 0.0,
+            predicted: Vec::new(),
         }
     }
 
@@ -131,6 +137,16 @@ impl SurfacePlan {
         });
         let points = self.points.iter().map(|point| vec![(point.sample, 1.0)]);
         bands.chain(patches).chain(points).collect()
+    }
+
+    /// Values on the outlines of shadows, and behind them, that are known without a
+    /// sample.
+    pub fn free_samples(&self) -> usize {
+        let shadows = self.fields.iter().filter(|field| field.tensor.is_some());
+        let nodes = shadows
+            .flat_map(|field| &field.mesh)
+            .flat_map(|mesh| &mesh.nodes);
+        nodes.filter(|node| node.shares.is_empty()).count()
     }
 
     fn receiving(&self, kind: Receives) -> usize {
@@ -191,7 +207,25 @@ pub enum Receives {
 }
 
 impl Tag {
-    /// What the tag is called in pictures and tables.
+    /// All of them.
+    pub const ALL: [Self; 9] = [
+        Self::Edge,
+        Self::Isolux,
+        Self::Peak,
+        Self::Direct,
+        Self::Reflected,
+        Self::Grid,
+        Self::Lit,
+        Self::Penumbra,
+        Self::Contact,
+    ];
+
+    /// The tag of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|tag| tag.name() == name)
+    }
+
+    /// What the tag is called in plan files, pictures and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Edge => "edge",
@@ -411,12 +445,7 @@ impl Plan {
     /// Values on the outlines of shadows, and behind them, that are known without a
     /// sample.
     pub fn free_samples(&self) -> usize {
-        let fields = self.surfaces.iter().flat_map(|surface| &surface.fields);
-        let shadows = fields.filter(|field| field.tensor.is_some());
-        let nodes = shadows
-            .flat_map(|field| &field.mesh)
-            .flat_map(|mesh| &mesh.nodes);
-        nodes.filter(|node| node.shares.is_empty()).count()
+        self.surfaces.iter().map(SurfacePlan::free_samples).sum()
     }
 
     /// Whether radiosities are linear.

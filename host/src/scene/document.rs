@@ -70,13 +70,13 @@ pub(crate) struct Table<'d> {
 
 impl<'d> Table<'d> {
     /// The document's outermost table. Its keys are not checked yet.
-    pub(crate) fn root(document: Document<'d>, entries: &'d DeTable<'d>) -> Self {
+    pub(crate) fn root(document: Document<'d>, entries: &'d DeTable<'d>, what: &'d str) -> Self {
         Self {
             document,
             entries,
             span_start: 0,
             span_end: 0,
-            what: "a scene",
+            what,
         }
     }
 
@@ -193,6 +193,14 @@ impl<'d> Field<'d> {
         self.value.get_ref().as_str()
     }
 
+    /// The value as true or false.
+    pub(crate) fn truth(&self, example: &str) -> Result<bool, Diagnostic> {
+        self.value
+            .get_ref()
+            .as_bool()
+            .ok_or_else(|| self.wrong_type("true or false", example))
+    }
+
     /// The value as an integer, if it is one that fits.
     pub(crate) fn as_integer(&self) -> Option<i128> {
         let integer = self.value.get_ref().as_integer()?;
@@ -202,6 +210,12 @@ impl<'d> Field<'d> {
     /// The value as a finite number; integers count. A negative zero reads as
     /// zero.
     pub(crate) fn number(&self, example: &str) -> Result<f64, Diagnostic> {
+        Ok(self.signed_number(example)? + 0.0)
+    }
+
+    /// As [`number`](Self::number), with the sign of a zero: for what was written
+    /// from a number and must become the same bits.
+    pub(crate) fn signed_number(&self, example: &str) -> Result<f64, Diagnostic> {
         let number = match self.value.get_ref() {
             DeValue::Float(float) => float.as_str().parse().unwrap_or(f64::NAN),
             DeValue::Integer(integer) if integer.radix() == 10 => {
@@ -219,7 +233,7 @@ impl<'d> Field<'d> {
                 format!("write it like {example}"),
             ));
         }
-        Ok(number + 0.0)
+        Ok(number)
     }
 
     /// The elements of a list.

@@ -70,7 +70,7 @@ pub fn read_text(path: &Path) -> Result<String, Diagnostic> {
 pub fn parse(name: &str, source: &str) -> Result<Scene, Diagnostic> {
     let document = Document { name, source };
     let entries = DeTable::parse(source).map_err(|error| document.syntax_error(&error))?;
-    let root = Table::root(document, entries.get_ref());
+    let root = Table::root(document, entries.get_ref(), "a scene");
     check_version(&root)?;
     let root = root.only(&ROOT_KEYS)?;
     let scene_name = root.required("name", "name = \"my-room\"")?.name()?;

@@ -8,7 +8,7 @@
 pub mod body;
 pub mod camera;
 pub mod diagnostic;
-mod document;
+pub(crate) mod document;
 pub mod file;
 pub mod frame;
 pub mod points;
@@ -16,7 +16,7 @@ pub mod polygon;
 pub mod requires;
 pub mod rungs;
 mod section;
-mod settings;
+pub(crate) mod settings;
 pub mod shipped;
 
 use glam::DVec3;

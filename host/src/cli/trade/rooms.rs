@@ -1,11 +1,9 @@
 //! The rungs that change what is planned and baked, one combination after the
 //! other.
 
-use crate::cli::choice::RungArguments;
 use crate::cli::failure::Failure;
-use crate::cli::pipeline;
+use crate::cli::pipeline::{self, Planned};
 use crate::picture::{Picture, PictureError, TradeMark, TradePanel, trade_off};
-use crate::scene::Scene;
 use crate::scene::requires::requirements;
 use crate::trade::room::{self, Baked, Choice, Field, InRoom};
 use serde::Serialize;
@@ -22,11 +20,12 @@ struct Traded<'a> {
 /// Measures every combination in a scene and writes it down.
 pub(super) fn run(
     arguments: &super::Arguments,
-    scene: &Scene,
+    planned: &Planned,
     json: bool,
     step: impl Fn(&str),
 ) -> Result<(), Failure> {
-    let room = measure(scene, &arguments.rungs, arguments.bounces, true, step)?;
+    let scene = &planned.scene;
+    let room = measure(arguments, planned, true, step)?;
     let written = super::written(arguments, files(&scene.name, &room)?.into())?;
     let mut out = std::io::stdout().lock();
     if json {
@@ -65,15 +64,15 @@ pub(super) fn files(name: &str, room: &[InRoom]) -> Result<[(&'static str, Vec<u
     ])
 }
 
-/// Measures every combination in a scene, by all light or by what `bounces` asks
+/// Measures every combination in a scene, by all light or by what `--bounces` asks
 /// for.
 pub(super) fn measure(
-    scene: &Scene,
-    rungs: &RungArguments,
-    bounces: Option<u32>,
+    arguments: &super::Arguments,
+    default: &Planned,
     on_device: bool,
     step: impl Fn(&str),
 ) -> Result<Vec<InRoom>, Failure> {
+    let (scene, bounces) = (&default.scene, arguments.bounces);
     step("the light that rungs are judged by");
     let reference = pipeline::judge(scene, pipeline::all_light(bounces))?;
     let field = Field::new(scene, &reference);
@@ -87,13 +86,15 @@ pub(super) fn measure(
         } = choice;
         step(&format!("{visibility}, {emitters}, {transfer}"));
         let named = |name: &str| Some(name.to_owned());
-        let mut rungs = rungs.clone();
+        let mut rungs = arguments.rungs.clone();
         rungs.at_points = true;
         rungs.arithmetic = None;
         rungs.visibility = named(visibility);
         rungs.emitters = named(emitters);
         rungs.transfer = named(transfer);
-        let planned = pipeline::plan(scene.clone(), &rungs, &[])?;
+        let plan = arguments.plan.as_deref();
+        let plan = plan.filter(|_| default.emitters.name() == emitters);
+        let planned = pipeline::plan_or_read(scene.clone(), &rungs, plan, &[])?;
         let baked = Baked {
             scene: &planned.scene,
             plan: &planned.plan,

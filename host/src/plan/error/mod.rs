@@ -9,7 +9,7 @@ mod lit;
 
 use super::fields::Field as Term;
 use super::fields::tensor::{Nodes, Tensor};
-use super::{Field, Plan, Point, Sample, SurfacePlan, Tag, Unplannable, spacing};
+use super::{Field, Part, Plan, Point, Predicted, Sample, SurfacePlan, Tag, Unplannable, spacing};
 use crate::scene::frame::Frame;
 use crate::scene::{Budget, Scene};
 use glam::DVec3;
@@ -48,6 +48,10 @@ struct Candidate {
     /// The largest relative error, and that which its points cause on what they
     /// light, as far as that counts beside the surface itself.
     error: f64,
+    /// The root of the mean square relative error over the surface.
+    rms: f64,
+    /// What its points cause.
+    caused: f64,
 }
 
 /// Plans a scene in which nothing hides anything from anything.
@@ -129,8 +133,13 @@ impl<'a> Judge<'a> {
                 factor,
                 ..grid.clone()
             };
-            let error = worst(&tensor, &values, &self.places, &self.truth)? + caused;
-            Some(Candidate { tensor, error })
+            let (worst, rms) = errors(&tensor, &values, &self.places, &self.truth)?;
+            Some(Candidate {
+                tensor,
+                error: worst + caused,
+                rms,
+                caused,
+            })
         };
         factors.iter().filter_map(candidate).collect()
     }
@@ -198,14 +207,22 @@ impl<'a> Ladder<'a> {
         let Some(candidate) = self.steps.get(step) else {
             return SurfacePlan::without_samples(frame);
         };
-        let tensor = self.judge.polished(candidate).tensor;
+        let candidate = &self.judge.polished(candidate);
+        let tensor = candidate.tensor.clone();
         let sample = |place| Sample {
             place,
             vertex: place,
             tag: Tag::Grid,
         };
         let areas = tensor.areas().into_iter().enumerate();
+        let of_part = |(part, rms)| Predicted {
+            part,
+            rms,
+            area: self.area,
+        };
+        let predicted = [(Part::All, candidate.rms), (Part::Points, candidate.caused)];
         SurfacePlan {
+            predicted: predicted.map(of_part).into(),
             samples: tensor.places().into_iter().map(sample).collect(),
             points: areas.map(|(sample, area)| Point { sample, area }).collect(),
             filter_radius: spacing::filter_radius(self.area, tensor.samples()),
@@ -235,16 +252,32 @@ fn at(frame: &Frame, places: &[[f64; 2]], field: &Field<'_>) -> Vec<f64> {
     field(&receivers)
 }
 
-/// The largest relative error of a tensor grid through these values; `None` where
-/// there is none through them.
-fn worst(tensor: &Tensor, values: &[f64], places: &[[f64; 2]], truth: &[f64]) -> Option<f64> {
+/// The largest relative error of a tensor grid through these values, and the root of
+/// the mean square over the area; `None` where there is none through them.
+fn errors(
+    tensor: &Tensor,
+    values: &[f64],
+    places: &[[f64; 2]],
+    truth: &[f64],
+) -> Option<(f64, f64)> {
     let through = tensor.through(values)?;
     let faint = FAINT * truth.iter().copied().fold(0.0, f64::max);
-    let errors = places.iter().zip(truth).map(|(&place, &truth)| {
-        let error = (through.at(place) - truth).abs();
-        error / truth.max(faint).max(f64::MIN_POSITIVE)
-    });
-    Some(errors.fold(0.0, f64::max))
+    let (mut worst, mut squares, mut weights) = (0.0_f64, 0.0, 0.0);
+    for (&place, &truth) in places.iter().zip(truth) {
+        let error = (through.at(place) - truth).abs() / truth.max(faint).max(f64::MIN_POSITIVE);
+        // Places are closer towards the edges: each stands for less there.
+        let weight: f64 = [0, 1]
+            .map(|axis| {
+                let t = (place[axis] - tensor.center[axis]) / tensor.half[axis];
+                (1.0 - t * t).max(0.0).sqrt()
+            })
+            .iter()
+            .product();
+        worst = worst.max(error);
+        squares += weight * error * error;
+        weights += weight;
+    }
+    Some((worst, (squares / weights.max(f64::MIN_POSITIVE)).sqrt()))
 }
 
 /// What polynomials may be of: E itself, E^(−1/2), and √(s/E) with the s of everything

@@ -73,7 +73,7 @@ pub(super) fn edges(ring: &[[f64; 2]]) -> impl Iterator<Item = (DVec2, DVec2)> +
         .map(|(&from, &to)| (from.into(), to.into()))
 }
 
-fn is_convex(ring: &[[f64; 2]]) -> bool {
+pub(crate) fn is_convex(ring: &[[f64; 2]]) -> bool {
     let sides: Vec<DVec2> = edges(ring).map(|(from, to)| to - from).collect();
     let next = sides.iter().cycle().skip(1);
     sides
@@ -94,6 +94,18 @@ pub(crate) fn first_moment(ring: &[[f64; 2]]) -> DVec2 {
         (base + from + to) / 3.0 * area
     });
     triangles.sum()
+}
+
+/// Centroid in the surface's frame and unit of length of the own coordinates of what
+/// these pieces make up: no corner is farther than 1.
+pub(crate) fn own_frame(pieces: &[Vec<[f64; 2]>]) -> ([f64; 2], f64) {
+    let (moment, area) = pieces.iter().fold((DVec2::ZERO, 0.0), |sum, piece| {
+        (sum.0 + first_moment(piece), sum.1 + signed_area(piece))
+    });
+    let center = moment / area;
+    let corners = pieces.iter().flatten();
+    let farthest = corners.map(|&corner| DVec2::from(corner).distance(center));
+    (center.into(), farthest.fold(0.0, f64::max))
 }
 
 pub(super) fn bounds(pieces: &[Ring]) -> [[f64; 2]; 2] {

@@ -19,7 +19,7 @@ pub(super) struct Step {
 
 impl Step {
     /// The root of the mean square.
-    fn error(&self) -> f64 {
+    pub(super) fn error(&self) -> f64 {
         if self.area > 0.0 {
             (self.loss / self.area).sqrt()
         } else {

@@ -20,7 +20,7 @@ mod transfer;
 
 use super::fields::Field as Term;
 use super::shadow;
-use super::{Plan, Sample, SurfacePlan, Tag, Unplannable};
+use super::{Part, Plan, Predicted, Sample, SurfacePlan, Tag, Unplannable};
 use crate::scene::frame::Frame;
 use crate::scene::{Budget, Scene};
 use direct::Direct;
@@ -99,13 +99,18 @@ pub fn plan(scene: &Scene, budget: &Budget, known: &Known<'_>) -> Result<Plan, E
         .collect::<Result<_, Error>>()?;
     let ladders: Vec<&[Step]> = surfaces.iter().flat_map(Surface::ladders).collect();
     let chosen = ladder::divide(&ladders, budget.samples, WELL).map_err(Error::Samples)?;
+    let mut predicted = ladders.chunks(3).zip(chosen.chunks(3)).map(predicted);
     let mut chosen = chosen.chunks(3);
     let planned: Vec<SurfacePlan> = (surfaces.iter().enumerate())
         .map(|(index, surface)| {
             let steps = chosen.next().unwrap_or(&[0; 3]);
             let frame = Frame::new(&scene.surfaces[index]);
+            let predicted = predicted.next().unwrap_or_default();
             match surface {
-                Some(surface) => surface.plan(frame, [steps[0], steps[1], steps[2]]),
+                Some(surface) => SurfacePlan {
+                    predicted,
+                    ..surface.plan(frame, [steps[0], steps[1], steps[2]])
+                },
                 None => SurfacePlan::without_samples(frame),
             }
         })
@@ -113,6 +118,21 @@ pub fn plan(scene: &Scene, budget: &Budget, known: &Known<'_>) -> Result<Plan, E
     let mut plan = Plan { surfaces: planned };
     transfer::shoot_from_samples(&mut plan, known);
     Ok(plan)
+}
+
+/// What a surface errs by with these steps of its ladders.
+fn predicted((ladders, steps): (&[&[Step]], &[usize])) -> Vec<Predicted> {
+    let parts = [Part::Unshadowed, Part::Shadows, Part::Reflected];
+    let chosen = parts.into_iter().zip(ladders).zip(steps);
+    let of_part = |((part, ladder), &step): ((Part, &&[Step]), &usize)| {
+        let step = ladder.get(step)?;
+        Some(Predicted {
+            part,
+            rms: step.error(),
+            area: step.area,
+        })
+    };
+    chosen.filter_map(of_part).collect()
 }
 
 impl Surface {

@@ -1,0 +1,276 @@
+//! The plan that meets the wishes, by trying numbers of samples.
+
+use crate::cli::choice::RungArguments;
+use crate::cli::failure::Failure;
+use crate::cli::pipeline::{self, Planned};
+use crate::report::percent;
+use crate::scene::{Budget, Scene};
+use isolux::budget;
+
+/// What is wished for; `None` is no limit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wishes {
+    /// Samples at the most.
+    pub(super) samples: Option<u64>,
+    /// Bytes of RAM at the most.
+    pub(super) ram: Option<u64>,
+    /// Bytes of tables at the most.
+    pub(super) flash: Option<u64>,
+    /// Predicted error at the most, relative.
+    pub(super) error: Option<f64>,
+}
+
+/// A plan and what it takes.
+pub(super) struct Found {
+    pub(super) planned: Planned,
+    /// Bytes of RAM of light and visibility's workspace.
+    pub(super) state: usize,
+    /// Bytes of the workspace alone.
+    pub(super) workspace: usize,
+    /// Bytes of RAM in which surfaces are reconstructed.
+    pub(super) room: usize,
+    /// Predicted error, relative.
+    pub(super) error: Option<f64>,
+}
+
+/// A search ends where the number of samples is known to one part in so many.
+const FINE: u64 = 32;
+
+/// Where more samples are tried than a scene without a budget takes: as often as this
+/// doubled.
+const DOUBLINGS: u32 = 3;
+
+/// Where a plan errs too much, those with down to half as many samples are tried in
+/// steps of this part.
+const SIXTEENTHS: u64 = 16;
+
+impl Found {
+    fn of(planned: Planned) -> Result<Self, Failure> {
+        let (state, sight) = planned.ram()?;
+        let areas = planned.scene.surfaces.iter().map(|surface| surface.area);
+        Ok(Self {
+            state,
+            workspace: budget::sight_bytes(&sight),
+            room: budget::room_bytes(&planned.tables.counts),
+            error: planned.plan.predicted_error(areas),
+            planned,
+        })
+    }
+
+    pub(super) fn samples(&self) -> u64 {
+        self.planned.plan.samples() as u64
+    }
+
+    pub(super) fn ram(&self) -> u64 {
+        (self.state + self.room) as u64
+    }
+
+    pub(super) fn flash(&self) -> u64 {
+        self.planned.tables.bytes().len() as u64
+    }
+
+    fn fits(&self, wishes: &Wishes) -> bool {
+        wishes.ram.is_none_or(|most| self.ram() <= most)
+            && wishes.flash.is_none_or(|most| self.flash() <= most)
+    }
+
+    fn errs_within(&self, most: f64) -> bool {
+        self.error.is_some_and(|error| error <= most)
+    }
+
+    /// What it takes, in words.
+    fn cost(&self) -> String {
+        format!(
+            "{} samples, {} bytes of RAM and {} bytes of tables",
+            self.samples(),
+            self.ram(),
+            self.flash()
+        )
+    }
+}
+
+/// Plans a scene within the wishes: with as many samples as they allow, or with a
+/// wished error with as few as that takes. The same scene and wishes give the same
+/// plan.
+///
+/// # Errors
+/// [`Failure::Limit`] that says which wish cannot be met, and what the nearest is.
+pub(super) fn plan(
+    scene: &Scene,
+    rungs: &RungArguments,
+    wishes: &Wishes,
+) -> Result<Found, Failure> {
+    let attempt = |samples: Option<u64>| -> Result<Found, Failure> {
+        let scene = Scene {
+            budget: Budget {
+                samples,
+                ram: None,
+                flash: None,
+            },
+            ..scene.clone()
+        };
+        Found::of(pipeline::plan(scene, rungs, &[])?)
+    };
+    let mut first = attempt(wishes.samples)?;
+    if let Some(most) = wishes.error {
+        if first.error.is_none() {
+            return Err(Failure::limit(
+                format!(
+                    "placement `{}` predicts no error",
+                    first.planned.placement.name()
+                ),
+                "leave out --max-error, or take --placement error",
+            ));
+        }
+        if wishes.samples.is_none() {
+            first = more(first, most, &attempt)?;
+        }
+    }
+    let wanted = (
+        first.cost(),
+        wishes.error.is_some_and(|most| first.errs_within(most)),
+    );
+    let largest = match first.fits(wishes) {
+        true => first,
+        false => largest_that_fits(first, wishes, &attempt)?,
+    };
+    let Some(most) = wishes.error else {
+        return Ok(largest);
+    };
+    let nearest = nearest(largest, most, wishes, &attempt)?;
+    match nearest.errs_within(most) {
+        true => smallest_within(nearest, most, wishes, &attempt),
+        false => Err(unmet(&nearest, most, wanted)),
+    }
+}
+
+type Attempt<'a> = dyn Fn(Option<u64>) -> Result<Found, Failure> + 'a;
+
+/// More samples than a scene without a budget takes, while that lessens the error.
+fn more(mut best: Found, most: f64, attempt: &Attempt<'_>) -> Result<Found, Failure> {
+    for _ in 0..DOUBLINGS {
+        if best.errs_within(most) {
+            break;
+        }
+        let next = match attempt(Some(2 * best.samples())) {
+            Ok(next) => next,
+            // As many samples cannot be had.
+            Err(Failure::Limit { .. }) => break,
+            Err(failure) => return Err(failure),
+        };
+        if next.error >= best.error {
+            break;
+        }
+        best = next;
+    }
+    Ok(best)
+}
+
+/// The plan that errs least among `largest`, where that does not err too much already,
+/// and some with fewer samples: a budget that is a little smaller is sometimes divided
+/// better.
+fn nearest(
+    largest: Found,
+    most: f64,
+    wishes: &Wishes,
+    attempt: &Attempt<'_>,
+) -> Result<Found, Failure> {
+    let samples = largest.samples();
+    let mut best = largest;
+    for parts in (SIXTEENTHS / 2..SIXTEENTHS).rev() {
+        if best.errs_within(most) {
+            break;
+        }
+        match attempt(Some(samples * parts / SIXTEENTHS)) {
+            Ok(found) if found.fits(wishes) && found.error < best.error => best = found,
+            Ok(_) | Err(Failure::Limit { .. }) => {}
+            Err(failure) => return Err(failure),
+        }
+    }
+    Ok(best)
+}
+
+/// The plan with the most samples whose bytes are within the wishes, fewer than those
+/// of `large`, which are not.
+fn largest_that_fits(
+    large: Found,
+    wishes: &Wishes,
+    attempt: &Attempt<'_>,
+) -> Result<Found, Failure> {
+    let (mut low, mut high) = (0, large.samples());
+    let (mut fitting, mut smallest) = (None, large);
+    while high.saturating_sub(low) > (high / FINE).max(1) {
+        let middle = low.midpoint(high);
+        match attempt(Some(middle)) {
+            Ok(found) if found.fits(wishes) => {
+                low = middle;
+                fitting = Some(found);
+            }
+            Ok(found) => {
+                high = middle.min(found.samples());
+                smallest = found;
+            }
+            // So few do not make a plan.
+            Err(Failure::Limit { .. }) => low = middle,
+            Err(failure) => return Err(failure),
+        }
+    }
+    fitting.ok_or_else(|| {
+        let flag = match wishes.ram.is_some_and(|most| smallest.ram() > most) {
+            true => "--ram",
+            false => "--flash",
+        };
+        Failure::limit(
+            format!(
+                "no plan of scene `{}` meets the wish {flag}: the smallest takes {}",
+                smallest.planned.scene.name,
+                smallest.cost()
+            ),
+            format!("raise {flag} to that, or split the scene"),
+        )
+    })
+}
+
+/// The plan with the fewest samples whose predicted error is within the wish, as that
+/// of `large` is.
+fn smallest_within(
+    large: Found,
+    most: f64,
+    wishes: &Wishes,
+    attempt: &Attempt<'_>,
+) -> Result<Found, Failure> {
+    let (mut low, mut high) = (0, large.samples());
+    let mut best = large;
+    while high.saturating_sub(low) > (high / FINE).max(1) {
+        let middle = low.midpoint(high);
+        match attempt(Some(middle)) {
+            Ok(found) if found.errs_within(most) && found.fits(wishes) => {
+                high = middle.min(found.samples());
+                best = found;
+            }
+            Ok(_) | Err(Failure::Limit { .. }) => low = middle,
+            Err(failure) => return Err(failure),
+        }
+    }
+    Ok(best)
+}
+
+/// Why an error is out of reach, and what is nearest to it. `wanted` is what was tried
+/// first takes, and whether that met the wish.
+fn unmet(nearest: &Found, most: f64, (wanted, met): (String, bool)) -> Failure {
+    let predicted = percent(100.0 * nearest.error.unwrap_or(f64::INFINITY));
+    let remedy = match met {
+        true => format!(
+            "the error takes {wanted}: raise --ram or --flash to that, or take --max-error {predicted}%"
+        ),
+        false => format!("raise --samples, or take --max-error {predicted}%, rounded up"),
+    };
+    Failure::limit(
+        format!(
+            "the wish --max-error {}% cannot be met: the nearest plan within the others has a predicted error of {predicted} % with {}",
+            percent(100.0 * most),
+            nearest.cost()
+        ),
+        remedy,
+    )
+}

@@ -1,0 +1,153 @@
+//! `isolux plan` with wishes: it meets them, or says which it cannot.
+
+use crate::{answered, directory, isolux};
+use serde_json::Value;
+use std::path::Path;
+
+fn sheet(arguments: &[&str], directory: &Path) -> Value {
+    let mut all = vec!["plan"];
+    all.extend(arguments);
+    all.extend(["-o", "a.plan", "--json"]);
+    serde_json::from_str(&answered(&all, directory)).expect("one JSON document")
+}
+
+fn count(value: &Value) -> u64 {
+    value.as_u64().expect("a count")
+}
+
+#[test]
+fn the_sheet_adds_up_and_check_agrees() {
+    let directory = directory();
+    for scene in ["paper", "penumbra"] {
+        let sheet = sheet(&[scene], directory.path());
+        let surfaces = sheet["surfaces"].as_array().expect("surfaces");
+        let sum = |key: &str| {
+            surfaces
+                .iter()
+                .map(|surface| count(&surface[key]))
+                .sum::<u64>()
+        };
+        for key in ["samples", "emitters", "free_samples"] {
+            assert_eq!(sum(key), count(&sheet[key]), "{scene} {key}");
+        }
+        for surface in surfaces {
+            let tags = surface["by_tag"].as_object().expect("tags");
+            let tagged: u64 = tags.values().map(count).sum();
+            assert_eq!(tagged, count(&surface["samples"]), "{surface}");
+        }
+        let parts = ["light_bytes", "workspace_bytes", "room_bytes"];
+        let ram: u64 = parts.iter().map(|key| count(&sheet[*key])).sum();
+        assert_eq!(ram, count(&sheet["ram_bytes"]), "{scene}");
+        let checked = answered(
+            &["check", scene, "--plan", "a.plan", "--json"],
+            directory.path(),
+        );
+        let checked: Value = serde_json::from_str(&checked).expect("JSON");
+        assert_eq!(checked["flash_bytes"], sheet["table_bytes"], "{scene}");
+        assert_eq!(
+            checked["capacities"]["samples"], sheet["samples"],
+            "{scene}"
+        );
+    }
+}
+
+#[test]
+fn a_wished_error_takes_fewer_samples_the_larger_it_is() {
+    let directory = directory();
+    let of = |error: &str| sheet(&["penumbra", "--max-error", error], directory.path());
+    let mut before = u64::MAX;
+    for (wish, most) in [("0.2%", 0.2), ("1%", 1.0), ("3%", 3.0)] {
+        let sheet = of(wish);
+        let predicted = sheet["predicted_error"].as_f64().expect("a number");
+        assert!(predicted <= most, "{wish}: {predicted}");
+        let samples = count(&sheet["samples"]);
+        assert!(samples < before, "{wish}: {samples}, {before} for less");
+        before = samples;
+    }
+}
+
+#[test]
+fn bytes_are_kept() {
+    let directory = directory();
+    let flash = sheet(&["penumbra", "--flash", "12KiB"], directory.path());
+    assert!(count(&flash["table_bytes"]) <= 12 * 1024, "{flash}");
+    let both = sheet(
+        &["penumbra", "--ram", "2KiB", "--max-error", "1%"],
+        directory.path(),
+    );
+    assert!(count(&both["ram_bytes"]) <= 2048, "{both}");
+    assert!(
+        both["predicted_error"].as_f64().expect("a number") <= 1.0,
+        "{both}"
+    );
+    let few = sheet(&["penumbra", "--samples", "30"], directory.path());
+    assert!(count(&few["samples"]) <= 30, "{few}");
+}
+
+#[test]
+fn what_cannot_be_met_is_named_with_the_nearest_and_nothing_is_written() {
+    let directory = directory();
+    for (wishes, words) in [
+        (&["--ram", "500"][..], ["the wish --ram", "bytes of RAM"]),
+        (
+            &["--flash", "1KiB"],
+            ["the wish --flash", "bytes of tables"],
+        ),
+        (
+            &["--max-error", "0.001%", "--samples", "60"],
+            ["the wish --max-error", "nearest"],
+        ),
+        (
+            &["--max-error", "0.1%", "--ram", "2KiB"],
+            ["the wish --max-error", "raise --ram"],
+        ),
+        (
+            &["--max-error", "1%", "--placement", "isolux"],
+            ["predicts no error", "help"],
+        ),
+    ] {
+        let mut arguments = vec!["plan", "penumbra", "-o", "a.plan"];
+        arguments.extend(wishes);
+        let ran = isolux(&arguments, directory.path(), "");
+        assert_eq!(
+            (ran.code, ran.stdout.as_str()),
+            (1, ""),
+            "{wishes:?}: {}",
+            ran.stderr
+        );
+        for word in words {
+            assert!(ran.stderr.contains(word), "{word}: {}", ran.stderr);
+        }
+        assert!(!directory.path().join("a.plan").exists(), "{wishes:?}");
+    }
+}
+
+#[test]
+fn wishes_that_are_none_are_refused() {
+    let directory = directory();
+    for wishes in [
+        ["--max-error", "2"],
+        ["--max-error", "-1%"],
+        ["--ram", "0"],
+        ["--samples", "0"],
+    ] {
+        let ran = isolux(
+            &["plan", "paper", "-o", "a.plan", wishes[0], wishes[1]],
+            directory.path(),
+            "",
+        );
+        assert_eq!(
+            (ran.code, ran.stdout.as_str()),
+            (2, ""),
+            "{wishes:?}: {}",
+            ran.stderr
+        );
+    }
+    let ran = isolux(
+        &["plan", "paper", "-o", "none/a.plan"],
+        directory.path(),
+        "",
+    );
+    assert_eq!(ran.code, 2);
+    assert!(ran.stderr.contains("no such directory"), "{}", ran.stderr);
+}
