@@ -273,7 +273,7 @@ where
     {
         let sending = Sending {
             sight: Looking::with(sight),
-            coded: scene.counts().codes > 0,
+            coded: scene.counts().is_coded(),
         };
         let light = Light::<A, SAMPLES, EMITTERS, L, _>::with_sight(scene, sending)?;
         Ok(Box::new(Kept::new(light)))

@@ -68,6 +68,7 @@ impl<V: Visibility> Transfer for V {
         for (what, needed, have) in [
             // Tables with codes have lost their occluders.
             (What::Codes, counts.codes, 0),
+            (What::Fractions, counts.fractions, 0),
             (What::Occluders, counts.occluders, occluders),
             (What::Corners, needed.vertices, have.vertices),
             (What::Pieces, needed.pieces, have.pieces),
@@ -112,7 +113,7 @@ pub struct Codes;
 impl Transfer for Codes {
     fn fits(scene: &Scene<'_>) -> Result<(), Error> {
         let counts = scene.counts();
-        if counts.codes == 0 && counts.emitters > counts.luminaires {
+        if !counts.is_coded() && counts.emitters > counts.luminaires {
             return Err(Error::Unknown {
                 what: What::Codes,
                 asked: counts.emitters.saturating_sub(counts.luminaires),

@@ -156,7 +156,7 @@ fn transfer(counts: &Counts, sight: &Sight) -> Result<[String; 2], String> {
     } = sight;
     match rung.as_str() {
         // What is seen is in the tables.
-        _ if counts.codes > 0 => Ok(["transfer::Codes"; 2].map(str::to_owned)),
+        _ if counts.is_coded() => Ok(["transfer::Codes"; 2].map(str::to_owned)),
         _ if counts.occluders == 0 => Ok(["visibility::Unoccluded"; 2].map(str::to_owned)),
         "exact" => Ok([
             format!("visibility::Exact<{vertices}, {pieces}, {lines}, {blockers}>"),

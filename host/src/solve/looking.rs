@@ -92,9 +92,9 @@ pub(super) struct Sending {
 
 impl Transfer for Sending {
     fn fits(scene: &Scene<'_>) -> Result<(), Error> {
-        match scene.counts().codes {
-            0 => <Looking as Transfer>::fits(scene),
-            _ => Codes::fits(scene),
+        match scene.counts().is_coded() {
+            false => <Looking as Transfer>::fits(scene),
+            true => Codes::fits(scene),
         }
     }
 

@@ -113,7 +113,7 @@ fn codes(scene: &Scene<'_>) -> Result<(), Error> {
         receivers.saturating_mul(u64::from(emitters))
     };
     let secondary = counts.emitters.saturating_sub(counts.luminaires);
-    let coded = counts.codes > 0;
+    let coded = counts.is_coded();
     let sound = !coded
         || (u64::from(counts.codes) == pairs(false, secondary)
             && counts.coefficients == 3

@@ -126,6 +126,11 @@ pub struct Counts {
 }
 
 impl Counts {
+    /// Whether the host wrote down what is seen, in place of occluders.
+    pub const fn is_coded(&self) -> bool {
+        self.codes > 0 || self.fractions > 0
+    }
+
     /// Of nothing.
     pub(crate) const NONE: Self = Self {
         channels: 0,

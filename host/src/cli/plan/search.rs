@@ -258,12 +258,14 @@ fn smallest_within(
 /// Why an error is out of reach, and what is nearest to it. `wanted` is what was tried
 /// first takes, and whether that met the wish.
 fn unmet(nearest: &Found, most: f64, (wanted, met): (String, bool)) -> Failure {
-    let predicted = percent(100.0 * nearest.error.unwrap_or(f64::INFINITY));
+    let error = 100.0 * nearest.error.unwrap_or(f64::INFINITY);
+    // Three digits of it are not below it.
+    let (predicted, enough) = (percent(error), percent(1.01 * error));
     let remedy = match met {
         true => format!(
-            "the error takes {wanted}: raise --ram or --flash to that, or take --max-error {predicted}%"
+            "the error takes {wanted}: raise --ram or --flash to that, or take --max-error {enough}%"
         ),
-        false => format!("raise --samples, or take --max-error {predicted}%, rounded up"),
+        false => format!("raise --samples, or take --max-error {enough}%"),
     };
     Failure::limit(
         format!(

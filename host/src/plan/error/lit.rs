@@ -64,6 +64,15 @@ impl Lit {
         Self { probes }
     }
 
+    /// The largest relative error that points with these values cause anywhere.
+    pub(super) fn relative(&self, frame: &Frame, tensor: &Tensor, values: &[f64]) -> f64 {
+        let errors = self.probes.iter().map(|probe| {
+            let sent = sent(frame, tensor, values, probe.position, probe.normal);
+            (sent - probe.exact).abs() / probe.total.max(f64::MIN_POSITIVE)
+        });
+        errors.fold(0.0, f64::max)
+    }
+
     /// The largest relative error that points with these values cause, times the
     /// power it is an error of, in W.
     pub(super) fn error(&self, frame: &Frame, tensor: &Tensor, values: &[f64]) -> f64 {

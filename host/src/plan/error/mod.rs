@@ -33,8 +33,12 @@ const FAINT: f64 = 1e-3;
 /// Steps, of half the interval, in which nodes are drawn out and moved.
 const POLISHED: [f64; 4] = [0.08, 0.04, 0.02, 0.01];
 
-/// Distance of points that shoot from what they light, in distances between them,
-/// from which on they stand for their surface to within 0.3 %.
+/// The largest relative error of what points light with which they stand for their
+/// surface.
+const GOOD: f64 = 0.003;
+
+/// Distance of a place that nobody planned for from points that shoot, in distances
+/// between them, from which on the same can be said.
 const FAR: f64 = 1.2;
 
 /// Surfaces up to which each of them is tried as what lights the others; in larger
@@ -57,9 +61,10 @@ struct Candidate {
 /// Plans a scene in which nothing hides anything from anything.
 ///
 /// `total` gives the irradiance after all reflections. Samples are the nodes of
-/// tensor grids ([`super::fields`]), and where no surface, named point or one of
-/// `places` is nearer to a surface than its samples are to each other they are also
-/// what shoots; else `None`: the scene wants patches.
+/// tensor grids ([`super::fields`]), and where they light every other surface to
+/// within 0.3 %, and no named point or one of `places` is nearer to a surface than its
+/// samples are to each other, they are also what shoots; else `None`: the scene wants
+/// patches.
 ///
 /// # Errors
 /// [`Unplannable`] where the budget is too small, or too large for the tables.
@@ -76,17 +81,23 @@ pub fn error_driven(
         .map(|(k, surface)| surface.reflects().then(|| Ladder::new(scene, k, total)))
         .collect();
     let chosen = divide(&ladders, budget)?;
+    let mut points_do = true;
     let surfaces: Vec<SurfacePlan> = (scene.surfaces.iter().zip(&ladders))
         .zip(&chosen)
         .map(|((surface, ladder), &step)| match ladder {
-            Some(ladder) => ladder.plan(step),
+            Some(ladder) => {
+                let (planned, relative) = ladder.plan(step);
+                points_do &= relative <= GOOD;
+                planned
+            }
             None => SurfacePlan::without_samples(Frame::new(surface)),
         })
         .collect();
     let plan = Plan { surfaces };
     let named = scene.points.iter().map(|point| point.position);
     let places: Vec<DVec3> = named.chain(places.iter().copied()).collect();
-    Ok(points_stand_for_surfaces(scene, &plan, &places).then_some(plan))
+    points_do &= points_stand_for_surfaces(scene, &plan, &places);
+    Ok(points_do.then_some(plan))
 }
 
 /// The candidates of one surface, the number of samples rising and the error
@@ -202,10 +213,12 @@ impl<'a> Ladder<'a> {
         }
     }
 
-    fn plan(&self, step: usize) -> SurfacePlan {
+    /// With this step of the ladder; and the largest relative error that its points
+    /// cause on what they light.
+    fn plan(&self, step: usize) -> (SurfacePlan, f64) {
         let frame = self.judge.frame.clone();
         let Some(candidate) = self.steps.get(step) else {
-            return SurfacePlan::without_samples(frame);
+            return (SurfacePlan::without_samples(frame), 0.0);
         };
         let candidate = &self.judge.polished(candidate);
         let tensor = candidate.tensor.clone();
@@ -221,7 +234,9 @@ impl<'a> Ladder<'a> {
             area: self.area,
         };
         let predicted = [(Part::All, candidate.rms), (Part::Points, candidate.caused)];
-        SurfacePlan {
+        let values = at(&self.judge.frame, &tensor.places(), self.judge.total);
+        let relative = self.judge.lit.relative(&self.judge.frame, &tensor, &values);
+        let planned = SurfacePlan {
             predicted: predicted.map(of_part).into(),
             samples: tensor.places().into_iter().map(sample).collect(),
             points: areas.map(|(sample, area)| Point { sample, area }).collect(),
@@ -231,7 +246,8 @@ impl<'a> Ladder<'a> {
                 mesh: None,
             }],
             ..SurfacePlan::without_samples(frame)
-        }
+        };
+        (planned, relative)
     }
 }
 
@@ -364,8 +380,8 @@ fn divide(ladders: &[Option<Ladder<'_>>], budget: &Budget) -> Result<Vec<usize>,
     Ok(chosen)
 }
 
-/// Whether the points are farther from everything they light than [`FAR`] times
-/// their distance from each other.
+/// Whether surfaces are what their grids cover, and the points are farther from all
+/// places asked for than [`FAR`] times their distance from each other.
 fn points_stand_for_surfaces(scene: &Scene, plan: &Plan, places: &[DVec3]) -> bool {
     plan.surfaces.iter().enumerate().all(|(index, planned)| {
         let Some(tensor) = planned
@@ -395,36 +411,6 @@ fn points_stand_for_surfaces(scene: &Scene, plan: &Plan, places: &[DVec3]) -> bo
             let above = (*place - planned.frame.origin).dot(normal) > flat;
             !above || points.iter().all(|point| point.distance(*place) >= near)
         };
-        if !places.iter().all(far) {
-            return false;
-        }
-        scene
-            .surfaces
-            .iter()
-            .zip(&plan.surfaces)
-            .enumerate()
-            .all(|(other, (lit, its))| {
-                let in_front = lit
-                    .vertices
-                    .iter()
-                    .any(|&v| (v - planned.frame.origin).dot(normal) > 0.0);
-                let faced = || {
-                    let height = |&point: &DVec3| (point - its.frame.origin).dot(its.frame.normal);
-                    points.iter().any(|point| height(point) > 0.0)
-                };
-                if other == index || !lit.reflects() || !in_front || !faced() {
-                    return true;
-                }
-                points
-                    .iter()
-                    .all(|&point| distance(point, &its.frame) >= near)
-            })
+        places.iter().all(far)
     })
-}
-
-/// The distance of a place from the bounding rectangle of a surface.
-fn distance(place: DVec3, frame: &Frame) -> f64 {
-    let (u, v) = frame.to_local(place);
-    let nearest = frame.to_world(u.clamp(0.0, frame.size_u), v.clamp(0.0, frame.size_v));
-    place.distance(nearest)
 }
