@@ -118,7 +118,8 @@ impl ToChannels for Rgb {
 /// The kernel's light, with what surfaces are put together from once it is asked
 /// for.
 struct Kept<'t, A, L: Luminance> {
-    light: Light<'t, A, SAMPLES, EMITTERS, L, Sending>,
+    /// By itself: half a megabyte that is not to pass the stack again.
+    light: Box<Light<'t, A, SAMPLES, EMITTERS, L, Sending>>,
     rooms: Vec<OnceLock<Vec<L::Colour>>>,
 }
 
@@ -127,7 +128,7 @@ where
     A: Arithmetic<f32>,
     L: Luminance,
 {
-    fn new(light: Light<'t, A, SAMPLES, EMITTERS, L, Sending>) -> Self {
+    fn new(light: Box<Light<'t, A, SAMPLES, EMITTERS, L, Sending>>) -> Self {
         let surfaces = light.scene().surfaces().len();
         Self {
             light,
@@ -276,7 +277,7 @@ where
             coded: scene.counts().is_coded(),
         };
         let light = Light::<A, SAMPLES, EMITTERS, L, _>::with_sight(scene, sending)?;
-        Ok(Box::new(Kept::new(light)))
+        Ok(Box::new(Kept::new(Box::new(light))))
     }
     let counts = scene.counts();
     match (counts.channels, counts.coefficients, counts.weights) {

@@ -50,8 +50,8 @@ fn what_this_build_lacks_is_said_and_is_no_failure() {
     for (name, text, what) in [
         (
             "rung.toml",
-            desk() + "[rungs]\nplacement = \"error\"\n",
-            "error",
+            desk() + "[rungs]\ntransfer = \"matrix\"\n",
+            "matrix",
         ),
         (
             "few.toml",

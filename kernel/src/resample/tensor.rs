@@ -54,14 +54,14 @@ pub(super) fn coefficients<R: Root<f32>, C: Colour>(
         };
     }
     *limit = limit.times(HEADROOM);
-    let along_u = fields.matrix(tensor.matrices[0], n_u);
-    let along_v = fields.matrix(tensor.matrices[1], n_v);
-    for row in room.chunks_mut(n_u.max(1) as usize) {
-        apply(along_u, row.iter_mut());
+    let [of_u, of_v] = tensor.matrices;
+    let (along_u, along_v) = (fields.matrix(of_u, n_u), fields.matrix(of_v, n_v));
+    let (n_u, n_v) = (n_u as usize, n_v as usize);
+    for row in 0..n_v {
+        apply(along_u, room, row.wrapping_mul(n_u), [1, n_u]);
     }
-    for first in 0..n_u as usize {
-        let column = room.iter_mut().skip(first).step_by(n_u.max(1) as usize);
-        apply(along_v, column);
+    for column in 0..n_u {
+        apply(along_v, room, column, [n_u, n_v]);
     }
 }
 
@@ -75,21 +75,30 @@ fn transformed<R: Root<f32>>(s: f32, irradiance: f32) -> f32 {
     if g < DARK { g } else { DARK }
 }
 
-/// Replaces values by a matrix times them.
-fn apply<'a, C: Colour>(matrix: &[f32], values: impl Iterator<Item = &'a mut C>) {
-    let mut old = heapless::Vec::<C, MOST_NODES>::new();
-    let mut cells = heapless::Vec::<&mut C, MOST_NODES>::new();
-    for cell in values {
-        // Checked tables have no more than there is room for.
-        let _ = old.push(*cell);
-        let _ = cells.push(cell);
+/// Replaces `count` values, from the first on and `stride` apart, by a matrix times
+/// them.
+fn apply<C: Colour>(matrix: &[f32], values: &mut [C], first: usize, [stride, count]: [usize; 2]) {
+    let mut old = [C::DARK; MOST_NODES];
+    let mut place = first;
+    for old in old.iter_mut().take(count) {
+        *old = values.get(place).copied().unwrap_or(C::DARK);
+        place = place.wrapping_add(stride);
     }
-    for (cell, row) in cells.into_iter().zip(matrix.chunks(old.len().max(1))) {
+    let mut rest = matrix;
+    let mut place = first;
+    for _ in 0..count {
+        let Some((row, others)) = rest.split_at_checked(count) else {
+            return;
+        };
+        rest = others;
         let mut sum = C::DARK;
         for (&value, &weight) in old.iter().zip(row) {
             sum = sum.plus(value.times(weight));
         }
-        *cell = sum;
+        if let Some(cell) = values.get_mut(place) {
+            *cell = sum;
+        }
+        place = place.wrapping_add(stride);
     }
 }
 
@@ -134,7 +143,12 @@ impl<C: Colour> Line<C> {
         line.limit = limit;
         let t = variable(v, tensor.center[1], tensor.inverse[1]);
         let (mut before, mut now) = (t, 1.0);
-        for row in room.chunks(line.count.max(1)) {
+        let mut rest = room;
+        while let Some((row, others)) = rest.split_at_checked(line.count) {
+            if row.is_empty() {
+                break;
+            }
+            rest = others;
             for (sum, &coefficient) in line.coefficients.iter_mut().zip(row) {
                 *sum = sum.plus(coefficient.times(now));
             }

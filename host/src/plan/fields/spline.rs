@@ -10,7 +10,7 @@ const NEAREST: usize = 14;
 /// their values.
 ///
 /// Where the places lie on a line, or are too few, the nearest one counts alone.
-/// Costs the cube of [`NEAREST`].
+/// Costs the cube of their number, 14.
 pub fn weights(places: &[[f64; 2]], at: [f64; 2]) -> Vec<(usize, f64)> {
     let squared = |place: [f64; 2]| (place[0] - at[0]).powi(2) + (place[1] - at[1]).powi(2);
     let mut nearest: Vec<usize> = (0..places.len()).collect();

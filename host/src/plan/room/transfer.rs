@@ -8,7 +8,7 @@
 use super::super::fields::shares;
 use super::super::patches::Patch;
 use super::super::{Plan, Receives, SurfacePlan};
-use super::Known;
+use super::{Known, Places};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -24,6 +24,9 @@ pub(super) fn shoot_from_samples(plan: &mut Plan, known: &Known<'_>) {
         .for_each(|(planned, draft)| planned.patches = patches(planned, draft, known));
 }
 
+/// What places receive of a kind of light, a row each.
+type Rows<'a> = dyn Fn(&Places, Receives) -> Vec<Vec<f64>> + 'a;
+
 /// One kind of light: at the draft's places and at the samples.
 struct Kind {
     /// The draft's samples of this kind, and what they may receive.
@@ -35,8 +38,7 @@ struct Kind {
 fn patches(planned: &SurfacePlan, draft: &SurfacePlan, known: &Known<'_>) -> Vec<Patch> {
     let frame = &planned.frame;
     let world = |[u, v]: [f64; 2]| (frame.to_world(u, v), frame.normal);
-    let kind = |receives: &[Receives],
-                rows: &dyn Fn(&[(DVec3, DVec3)], Receives) -> Vec<Vec<f64>>| {
+    let kind = |receives: &[Receives], rows: &Rows<'_>| {
         let of = |surface: &SurfacePlan, kind: Receives| -> Vec<(usize, [f64; 2], Vec<f64>)> {
             let samples = surface.samples.iter().enumerate();
             let chosen: Vec<(usize, [f64; 2])> = samples
