@@ -95,7 +95,7 @@ fn every_number_name_and_index_is_checked() {
         ("half = ", "half = [0.0, 4.0]", "nothing like half"),
         (
             "first = 0",
-            "first = 58",
+            "first = 63",
             "beyond the samples of this surface",
         ),
         ("first = 0", "first = 40", "the grid needs 25 samples"),
@@ -130,8 +130,8 @@ fn records_of_emitters_and_meshes_are_checked() {
     let cases = [
         (
             "members = [",
-            "  [58, 1.0, 0.0, 0.0],",
-            "58 is beyond the samples",
+            "  [63, 1.0, 0.0, 0.0],",
+            "63 is beyond the samples",
         ),
         (
             "members = [",

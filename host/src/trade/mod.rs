@@ -99,7 +99,7 @@ impl FormFactors {
 }
 
 /// What a loop above the horizon pays for the horizon and for being brought to
-/// the receiver, on the Cortex-M4F: a form factor of [`CLIPPING`] less the same sum
+/// the receiver, on the Cortex-M4F: a form factor of `poly5` less the same sum
 /// over vertices that are relative to the receiver already and are not tested.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Clip {

@@ -47,11 +47,12 @@ const SIXTEENTHS: u64 = 16;
 impl Found {
     fn of(planned: Planned) -> Result<Self, Failure> {
         let (state, sight) = planned.ram()?;
+        let room = budget::room_bytes(&planned.tables.counts);
         let areas = planned.scene.surfaces.iter().map(|surface| surface.area);
         Ok(Self {
-            state,
+            state: state - room,
             workspace: budget::sight_bytes(&sight),
-            room: budget::room_bytes(&planned.tables.counts),
+            room,
             error: planned.plan.predicted_error(areas),
             planned,
         })
