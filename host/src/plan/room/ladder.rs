@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn samples_go_where_they_lessen_the_loss_most() {
         let flat = ladder(&[(1, 0.1), (2, 0.099), (3, 0.001)]);
-        let steep = ladder(&[(1, 1.0), (2, 0.5), (4, 0.4)]);
+        let steep = ladder(&[(1, 1.0), (2, 0.5), (4, 0.45)]);
         let chosen = divide(&[&flat, &steep, &[]], Some(5), 0.0);
         assert_eq!(chosen, Ok(vec![2, 1, 0]), "looks over the flat step");
     }
