@@ -101,9 +101,9 @@ fn every_number_name_and_index_is_checked() {
         ("first = 0", "first = 40", "the grid needs 25 samples"),
         ("first = 25", "first = -1", "no number of samples"),
         (
-            "samples = 33",
-            "samples = 34",
-            "the mesh needs 34 samples from sample 25 on",
+            "samples = 38",
+            "samples = 39",
+            "the mesh needs 39 samples from sample 25 on",
         ),
         ("outside = ", "outside = 1.5", "between 0.0 and 1.0"),
         ("pieces = [", "pieces = []\nold = [", "unknown key `old`"),
@@ -151,8 +151,8 @@ fn records_of_emitters_and_meshes_are_checked() {
         ),
         (
             "nodes = [",
-            "  [1.0, 1.0, 0.0, [33, 0.5]],",
-            "33 is beyond the samples of this mesh",
+            "  [1.0, 1.0, 0.0, [38, 0.5]],",
+            "38 is beyond the samples of this mesh",
         ),
         ("nodes = [", "  [1.0, 1.0, 0.0, [0, 4.5]],", "between -3.99"),
         ("nodes = [", "  [1.0, 1.0, inf],", "finite number"),
