@@ -3,7 +3,8 @@
 //!
 //! Emitters are cut into triangles and these into quarters. A triangle whose
 //! corners, midpoints and centre all see the receiver, or all do not, is taken
-//! as wholly visible or hidden once it is small; the others are cut again. What
+//! as wholly visible or hidden once it is small beside its distance, where the
+//! rule of integration holds; the others are cut again. What
 //! is hidden is found by asking of each ray whether it meets a polygon. The
 //! error falls with the depth like the width of the triangles that shadow
 //! borders cross, and misses occluders (or gaps) smaller than the first cut.
@@ -96,7 +97,12 @@ impl Place<'_> {
             if count == 0 {
                 return 0.0;
             }
-            if count == seen.len() || depth >= self.depth.most {
+            let longest = [b - a, c - b, a - c]
+                .map(DVec3::length)
+                .into_iter()
+                .fold(0.0, f64::max);
+            let small = longest < 0.5 * centre.distance(self.position);
+            if count == seen.len() && small || depth >= self.depth.most {
                 let area = 0.5 * (b - a).cross(c - a).length();
                 // Exact for polynomials of third degree.
                 let rim = [a, b, c].map(|corner| self.kernel(corner, facing));

@@ -267,21 +267,68 @@ proptest! {
         position in point(2.0),
         tilt in point(1.0).prop_filter("a direction", |t| t.length() > 0.1),
     ) {
-        let mut surfaces = vec![surface("light", light, 0.0, 1.0)];
-        surfaces.extend(occluders.into_iter().map(|o| surface("occluder", o, 0.0, 0.0)));
-        let front = surfaces[0].normal.dot(position - surfaces[0].vertices[0]);
-        prop_assume!(front.abs() > 0.05);
-        if front < 0.0 {
-            surfaces[0].vertices.reverse();
-            surfaces[0].normal = -surfaces[0].normal;
-        }
-        let lit = scene(surfaces);
-        let towards = lit.surfaces[0].vertices[0] - position;
-        let normal = (tilt.normalize() + towards.normalize()).normalize_or(DVec3::Z);
-        let open = reference(&scene(vec![lit.surfaces[0].clone()]), Reflections::AtMost(0));
-        let whole = open.irradiance(position, normal);
-        let value = reference(&lit, Reflections::AtMost(0)).irradiance(position, normal);
-        let expected = brute(&lit, position, normal);
+        let plane = surface("light", light.clone(), 0.0, 1.0);
+        prop_assume!(plane.normal.dot(position - plane.vertices[0]).abs() > 0.05);
+        let [value, expected, whole] = against_brute_force(light, occluders, position, tilt);
         prop_assert!((value - expected).abs() <= 4e-3 * whole + 1e-9, "{value} {expected} of {whole}");
     }
+}
+
+/// Irradiance from a light that is turned towards the receiver, itself facing
+/// between `tilt` and the light: the reference, brute force, and the reference
+/// without occluders.
+fn against_brute_force(
+    light: Polygon,
+    occluders: Vec<Polygon>,
+    position: DVec3,
+    tilt: DVec3,
+) -> [f64; 3] {
+    let mut surfaces = vec![surface("light", light, 0.0, 1.0)];
+    surfaces.extend(
+        occluders
+            .into_iter()
+            .map(|o| surface("occluder", o, 0.0, 0.0)),
+    );
+    if surfaces[0].normal.dot(position - surfaces[0].vertices[0]) < 0.0 {
+        surfaces[0].vertices.reverse();
+        surfaces[0].normal = -surfaces[0].normal;
+    }
+    let lit = scene(surfaces);
+    let towards = lit.surfaces[0].vertices[0] - position;
+    let normal = (tilt.normalize() + towards.normalize()).normalize_or(DVec3::Z);
+    let open = reference(
+        &scene(vec![lit.surfaces[0].clone()]),
+        Reflections::AtMost(0),
+    );
+    let judge = reference(&lit, Reflections::AtMost(0));
+    [
+        judge.irradiance(position, normal),
+        brute(&lit, position, normal),
+        open.irradiance(position, normal),
+    ]
+}
+
+/// The receiver is so near to the light that triangles a quarter of its
+/// distance wide carry the integral.
+#[test]
+fn a_large_light_that_is_near_agrees_with_brute_force() {
+    let light = vec![
+        DVec3::new(1.237756105967494, 0.47451043104850404, 0.0),
+        DVec3::new(-0.6782918442437249, -0.436759909209322, 0.0),
+        DVec3::new(0.769398611160409, 1.4964982287264057, 0.8932875735384647),
+        DVec3::new(2.685446561371628, 2.4077685689842316, 0.8932875735384647),
+    ];
+    let [bottom, top, side] = [0.0, 1.109083923218505, -0.5695591969909543];
+    let occluder = vec![
+        DVec3::new(0.0, 0.0, bottom),
+        DVec3::new(0.0, 0.0, top),
+        DVec3::new(side, 0.0, top),
+        DVec3::new(side, 0.0, bottom),
+    ];
+    let position = DVec3::new(1.714406705847236, 1.3837141523175855, 0.39886397301658877);
+    let [value, expected, whole] = against_brute_force(light, vec![occluder], position, DVec3::Z);
+    assert!(
+        (value - expected).abs() <= 4e-3 * whole,
+        "{value} {expected} of {whole}"
+    );
 }
