@@ -17,6 +17,13 @@ use std::ops::Range;
 /// The part of the emitted power that the first solution leaves unshot.
 const UNSHOT: f32 = 0.003;
 
+/// Bytes of flash that the tables of a room may take where the scene does not say:
+/// what the device of `memory.x` has beside 116 KiB of code.
+const FLASH: usize = 140 << 10;
+
+/// How often meshes are made coarser until the tables fit.
+const THINNINGS: usize = 5;
+
 /// Luminaires that are looked at each for itself; where there are more they share.
 const LUMINAIRES: usize = 8;
 
@@ -103,12 +110,17 @@ impl std::error::Error for Error {}
 /// Plans a room by error ([`plan::room`]): a first solution tells where patches
 /// belong, and a second one, of these patches, what samples can tell of the light.
 ///
+/// Meshes are made coarser until the tables take no more flash than the budget says,
+/// or the device of `memory.x` has; `coded` counts the codes of patches among them.
+/// Where patches and the coarsest meshes take more the plan takes more.
+///
 /// # Errors
 /// [`Error`].
 pub fn room(
     scene: &Scene,
     budget: &Budget,
     looking: (Option<&Occlusion>, Sight),
+    coded: bool,
     direct: &Field<'_>,
 ) -> Result<Plan, Error> {
     let (occlusion, sight) = looking;
@@ -135,7 +147,22 @@ pub fn room(
         direct: &|places| terms(places, 0..luminaires, sight),
         reflected: &|places| terms(places, luminaires..all, sight),
     };
-    plan::room::plan(scene, budget, &known).map_err(Error::Room)
+    let room = plan::room::look(scene, &known).map_err(Error::Room)?;
+    let mut plan = room.plan(budget, None).map_err(Error::Room)?;
+    let most = budget.flash.map_or(FLASH, |bytes| bytes as usize);
+    for _ in 0..THINNINGS {
+        let baked = match coded {
+            true => bake::bake_coded(scene, &plan, occlusion.cloned()),
+            false => bake::bake(scene, &plan, occlusion.cloned()),
+        };
+        let bytes = baked.map_err(Error::TooLarge)?.bytes().len();
+        if bytes <= most {
+            break;
+        }
+        let of_meshes = plan.mesh_bytes().saturating_sub(bytes - most);
+        plan = room.plan(budget, Some(of_meshes)).map_err(Error::Room)?;
+    }
+    Ok(plan)
 }
 
 /// As the kernel takes places.

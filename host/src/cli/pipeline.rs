@@ -57,6 +57,17 @@ pub(super) fn plan(
     rungs: &RungArguments,
     places: &[DVec3],
 ) -> Result<Planned, Failure> {
+    let planned = attempt(scene, rungs, places)?;
+    planned.affordable()?;
+    Ok(planned)
+}
+
+/// As [`plan`], whether it is within the scene's budget of bytes or not.
+pub(super) fn attempt(
+    scene: Scene,
+    rungs: &RungArguments,
+    places: &[DVec3],
+) -> Result<Planned, Failure> {
     let needs = requirements(&scene);
     let choices = choice::choices(rungs, &scene, &needs)?;
     let occlusion = occlusion(&scene, &choices, places)?;
@@ -84,7 +95,9 @@ pub(super) fn plan_or_read(
     };
     let choices = choice::choices(rungs, &asking, &requirements(&scene))?;
     let occlusion = occlusion(&scene, &choices, places)?;
-    baked(scene, &choices, saved.plan, occlusion)
+    let planned = baked(scene, &choices, saved.plan, occlusion)?;
+    planned.affordable()?;
+    Ok(planned)
 }
 
 fn baked(
@@ -116,7 +129,6 @@ fn baked(
         plan,
         tables,
     };
-    planned.affordable()?;
     Ok(planned)
 }
 
@@ -161,9 +173,10 @@ fn place(
     };
     let progress = Progress::start("planning", 0);
     let looking = (occlusion, choices.sight);
+    let coded = choices.transfer == Transfer::Codes;
     let plan = match choices.placement {
         Placement::Error if !choices.at_points => {
-            pilot::room(scene, &scene.budget, looking, &field)
+            pilot::room(scene, &scene.budget, looking, coded, &field)
                 .map_err(|error| Failure::limit(error, remedy))
         }
         _ => pilot::linear(scene, &scene.budget, looking, &field)

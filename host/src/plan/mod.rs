@@ -448,6 +448,15 @@ impl Plan {
         self.surfaces.iter().map(SurfacePlan::free_samples).sum()
     }
 
+    /// Bytes of flash that the nodes and triangles of its meshes take, about.
+    pub fn mesh_bytes(&self) -> usize {
+        let fields = self.surfaces.iter().flat_map(|surface| &surface.fields);
+        let nodes = fields
+            .filter_map(|field| field.mesh.as_ref())
+            .flat_map(|mesh| &mesh.nodes);
+        nodes.map(fields::Node::bytes).sum()
+    }
+
     /// Whether radiosities are linear.
     pub fn is_linear(&self) -> bool {
         self.surfaces.iter().any(|s| !s.patches.is_empty())

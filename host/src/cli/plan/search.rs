@@ -106,11 +106,11 @@ pub(super) fn plan(
             budget: Budget {
                 samples,
                 ram: None,
-                flash: None,
+                flash: wishes.flash,
             },
             ..scene.clone()
         };
-        Found::of(pipeline::plan(scene, rungs, &[])?)
+        Found::of(pipeline::attempt(scene, rungs, &[])?)
     };
     let mut first = attempt(wishes.samples)?;
     if let Some(most) = wishes.error {

@@ -9,7 +9,18 @@ pub mod spline;
 pub mod split;
 pub mod tensor;
 
+use isolux::scene::fields as records;
 use tensor::Tensor;
+
+/// A relative error from which on a place is simply wrong: larger ones count no
+/// more, so that a few places in the dark do not take all samples.
+const WRONG: f64 = 0.25;
+
+/// The square of a relative error, as far as it counts.
+pub fn counted(error: f64) -> f64 {
+    let error = error.abs().min(WRONG);
+    error * error
+}
 
 /// A term of a surface's irradiance.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,4 +72,14 @@ pub struct Node {
     pub constant: f64,
     /// Samples, counted from the mesh's first, and their weights.
     pub shares: Vec<(usize, f64)>,
+}
+
+impl Node {
+    /// What it takes of the tables, with the two triangles that a corner more in a
+    /// mesh makes.
+    pub fn bytes(&self) -> usize {
+        size_of::<records::Node>()
+            + self.shares.len() * size_of::<records::Share>()
+            + 2 * size_of::<[u16; 3]>()
+    }
 }

@@ -21,10 +21,10 @@ pub const ALONE: f64 = 0.3;
 const NOISE: f64 = 1e-4;
 
 /// The most samples that contribute to one value.
-pub const MOST: usize = 10;
+pub const MOST: usize = 5;
 
 /// A relative error, squared, at which no more samples are wanted.
-const WELL: f64 = 4e-6;
+const WELL: f64 = 2e-5;
 
 /// A sample whose light, squared, is less than this part of the brightest one's is not
 /// chosen: its weights would be large.

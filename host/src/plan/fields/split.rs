@@ -1,5 +1,6 @@
 //! Finer triangles where linear values err.
 
+use super::counted;
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,10 +8,14 @@ use std::collections::{BTreeMap, BTreeSet};
 /// exactly in the plane of an adjoining surface gets nothing from it.
 pub const INSET: f64 = 0.03;
 
+/// A pass splits the edges at which this part of the largest loss is, or more.
+const A_PASS: f64 = 0.3;
+
 /// Passes over all edges at the most.
-const PASSES: usize = 16;
+const PASSES: usize = 200;
 
 /// Triangles that are being split.
+#[derive(Clone)]
 pub struct Split {
     /// The corners.
     pub places: Vec<[f64; 2]>,
@@ -19,8 +24,11 @@ pub struct Split {
     pub ends: Vec<Option<[usize; 2]>>,
     /// Indices of corners.
     pub triangles: Vec<[usize; 3]>,
-    /// Which of the triangles that were there each is a part of.
-    pub of: Vec<usize>,
+    /// How much each corner lessens the loss, in m²; infinite for those that were
+    /// there.
+    losses: Vec<f64>,
+    /// The triangles that were there.
+    whole: Vec<[usize; 3]>,
 }
 
 /// What is looked for at a place: a value, and how much an error of 1 in it counts.
@@ -32,66 +40,77 @@ pub struct Found {
     pub counts: f64,
 }
 
-/// Splits edges in the middle until the value there is within `tolerance` of the mean
-/// of both ends, as far as it counts, no edge is longer than `shortest`, or there are
-/// `most` corners.
+/// What ends the splitting.
+#[derive(Clone, Copy, Debug)]
+pub struct Fine {
+    /// Edges whose middle errs by less, as far as it counts, stay.
+    pub tolerance: f64,
+    /// No edge becomes shorter, in metres.
+    pub shortest: f64,
+    /// There are no more corners.
+    pub most: usize,
+}
+
+/// Splits edges in the middle, always where the loss is greatest, until all is `fine`.
 ///
-/// The same input gives the same triangles. Both triangles at an edge are split with
-/// it: no corner ever lies on an edge.
+/// The loss is the square of what the mean of both ends errs by in the middle, as far
+/// as it counts and [`counted`], over the triangles at the edge. The same input gives the same
+/// triangles. Both triangles at an edge are split with it: no corner ever lies on an
+/// edge.
 pub fn split(
     places: Vec<[f64; 2]>,
     triangles: Vec<[usize; 3]>,
     look: &dyn Fn(&[[f64; 2]]) -> Vec<Found>,
-    (tolerance, shortest, most): (f64, f64, usize),
+    fine: Fine,
 ) -> Split {
     let mut split = Split {
         ends: vec![None; places.len()],
-        of: (0..triangles.len()).collect(),
+        losses: vec![f64::INFINITY; places.len()],
         places,
+        whole: triangles.clone(),
         triangles,
     };
     let inside = split.inside();
     let mut values: Vec<f64> = look(&inside).iter().map(|found| found.value).collect();
-    let mut fine = BTreeSet::new();
+    // What was found in the middles of edges, and how much it errs.
+    let mut known: BTreeMap<[usize; 2], (f64, f64)> = BTreeMap::new();
     for _ in 0..PASSES {
         let edges = split.edges();
-        let new: Vec<[usize; 2]> = edges
-            .keys()
-            .filter(|edge| !fine.contains(*edge) && split.length(**edge) > 2.0 * shortest)
-            .copied()
+        let long = |edge: &&[usize; 2]| split.length(**edge) > 2.0 * fine.shortest;
+        let long_enough: Vec<[usize; 2]> = edges.keys().filter(long).copied().collect();
+        let new: Vec<[usize; 2]> = (long_enough.iter().copied())
+            .filter(|edge| !known.contains_key(edge))
             .collect();
-        let middles: Vec<[f64; 2]> = new
-            .iter()
-            .map(|edge| split.middle(*edge, &edges[edge]))
-            .collect();
-        let mut wrong: Vec<(f64, [usize; 2], f64)> = Vec::new();
-        for (&edge, found) in new.iter().zip(look(&middles)) {
+        let middles = new.iter().map(|edge| split.middle(*edge, &edges[edge]));
+        for (&edge, found) in new.iter().zip(look(&middles.collect::<Vec<_>>())) {
             let mean = (values[edge[0]] + values[edge[1]]) / 2.0;
             let error = (found.value - mean).abs() * found.counts;
-            match error > tolerance {
-                true => wrong.push((error, edge, found.value)),
-                false => {
-                    fine.insert(edge);
-                }
-            }
+            known.insert(edge, (found.value, error));
         }
+        let wrong = long_enough
+            .iter()
+            .filter(|edge| known[*edge].1 > fine.tolerance);
+        let mut wrong: Vec<(f64, [usize; 2])> = wrong
+            .map(|&edge| (counted(known[&edge].1) * split.area(&edges[&edge]), edge))
+            .collect();
         wrong.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let Some(&(greatest, _)) = wrong.first() else {
+            break;
+        };
         let mut touched = BTreeSet::new();
-        let mut any = false;
-        for (_, edge, value) in wrong {
-            let around = &edges[&edge];
-            if split.places.len() >= most {
+        for (loss, edge) in wrong {
+            if split.places.len() >= fine.most {
                 return split;
             }
+            if loss < A_PASS * greatest {
+                break;
+            }
+            let around = &edges[&edge];
             if around.iter().all(|triangle| !touched.contains(triangle)) {
                 touched.extend(around.iter().copied());
-                split.at(edge, around);
-                values.push(value);
-                any = true;
+                split.at(edge, around, loss);
+                values.push(known[&edge].0);
             }
-        }
-        if !any {
-            break;
         }
     }
     split
@@ -107,6 +126,15 @@ impl Split {
             }
         }
         edges
+    }
+
+    /// Of triangles, in m².
+    fn area(&self, triangles: &[usize]) -> f64 {
+        let area = |&triangle: &usize| {
+            let [a, b, c] = self.triangles[triangle].map(|k| DVec2::from(self.places[k]));
+            0.5 * (b - a).perp_dot(c - a).abs()
+        };
+        triangles.iter().map(area).sum()
     }
 
     fn length(&self, edge: [usize; 2]) -> f64 {
@@ -126,19 +154,61 @@ impl Split {
         a.midpoint(b).lerp(sum / around.len() as f64, INSET).into()
     }
 
-    /// Puts a corner in the middle of an edge.
-    fn at(&mut self, edge: [usize; 2], around: &[usize]) {
+    /// Puts a corner in the middle of an edge, which lessens the loss by so much.
+    fn at(&mut self, edge: [usize; 2], around: &[usize], loss: f64) {
         let [a, b] = edge.map(|k| DVec2::from(self.places[k]));
         let middle = self.places.len();
         self.places.push(a.midpoint(b).into());
         self.ends.push(Some(edge));
+        self.losses.push(loss);
         for &triangle in around {
             let corners = self.triangles[triangle];
             let with = |old: usize| corners.map(|k| if k == old { middle } else { k });
             self.triangles[triangle] = with(edge[0]);
             self.triangles.push(with(edge[1]));
-            self.of.push(self.of[triangle]);
         }
+    }
+
+    /// What each corner is worth, in m², when corners are taken in their order: one
+    /// without which a more valuable one cannot be had is worth the mean of both
+    /// (isotonic regression, by pooling adjacent violators). Infinite for those that
+    /// were there.
+    pub fn worth(&self) -> Vec<f64> {
+        let mut pools: Vec<(f64, usize)> = Vec::new();
+        for &loss in &self.losses {
+            let mut pool = (loss, 1);
+            while let Some(&(before, count)) = pools.last() {
+                if before >= pool.0 {
+                    break;
+                }
+                let sum = before * count as f64 + pool.0 * pool.1 as f64;
+                pool = (sum / (count + pool.1) as f64, count + pool.1);
+                pools.pop();
+            }
+            pools.push(pool);
+        }
+        let worth = pools
+            .into_iter()
+            .flat_map(|(mean, count)| std::iter::repeat_n(mean, count));
+        worth.collect()
+    }
+
+    /// The triangles of the first `corners` alone, or of those that were there, if
+    /// these are more: edges are split in the order of the corners.
+    pub fn coarser(&self, corners: usize) -> Vec<[usize; 3]> {
+        let mut triangles = self.whole.clone();
+        for (middle, ends) in self.ends.iter().enumerate().take(corners) {
+            let &Some(ends) = ends else { continue };
+            for k in 0..triangles.len() {
+                if ends.iter().all(|end| triangles[k].contains(end)) {
+                    let with = |old: usize| triangles[k].map(|c| if c == old { middle } else { c });
+                    let [one, other] = ends.map(with);
+                    triangles[k] = one;
+                    triangles.push(other);
+                }
+            }
+        }
+        triangles
     }
 
     /// Where the corners are looked at.
@@ -164,11 +234,9 @@ impl Split {
     /// The area in m² that every corner stands for: a third of its triangles'.
     pub fn areas(&self) -> Vec<f64> {
         let mut areas = vec![0.0; self.places.len()];
-        for triangle in &self.triangles {
-            let [a, b, c] = triangle.map(|k| DVec2::from(self.places[k]));
-            let area = 0.5 * (b - a).perp_dot(c - a).abs();
+        for (k, triangle) in self.triangles.iter().enumerate() {
             for &corner in triangle {
-                areas[corner] += area / 3.0;
+                areas[corner] += self.area(&[k]) / 3.0;
             }
         }
         areas
@@ -178,6 +246,15 @@ impl Split {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn sorted(triangles: &[[usize; 3]]) -> Vec<[usize; 3]> {
+        let mut sorted = triangles.to_vec();
+        for triangle in &mut sorted {
+            triangle.sort_unstable();
+        }
+        sorted.sort_unstable();
+        sorted
+    }
 
     #[test]
     fn a_bend_is_followed_and_nothing_else() {
@@ -191,10 +268,29 @@ mod tests {
             };
             places.iter().map(found).collect()
         };
-        let split = split(places, triangles, &bend, (0.01, 0.01, 400));
+        let fine = Fine {
+            tolerance: 0.01,
+            shortest: 0.01,
+            most: 400,
+        };
+        let split = split(places, triangles, &bend, fine);
         let area: f64 = split.areas().iter().sum();
         assert!((area - 1.0).abs() < 1e-12, "all of the square, once");
         assert!(split.places.len() < 400, "{} corners", split.places.len());
+        let all = split.coarser(split.places.len());
+        assert_eq!(sorted(&all), sorted(&split.triangles));
+        let few = Split {
+            triangles: split.coarser(20),
+            places: split.places[..20].to_vec(),
+            ..split.clone()
+        };
+        assert!((few.areas().iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        assert_eq!(split.coarser(0).len(), 2);
+        let worth = split.worth();
+        assert_eq!(worth.len(), split.places.len());
+        assert!(
+            worth.is_sorted_by(|a, b| a >= b) && worth[3].is_infinite() && worth[4].is_finite()
+        );
         let near = |place: &&[f64; 2]| (place[0] - 0.6).abs() < 0.15;
         let of_bend = split.places.iter().filter(near).count();
         assert!(

@@ -78,7 +78,7 @@ const KNOWN: [[usize; 2]; 1] = [[2, 2]];
 const ERROR: f64 = 0.0225;
 
 /// Samples for display that a patch is told its radiosity by, about.
-const SAMPLES_A_PATCH: usize = 3;
+const SAMPLES_A_PATCH: usize = 4;
 
 /// A room with fewer patches than this is better off with more of them than
 /// with more places on each.

@@ -1,12 +1,12 @@
 //! Direct light on a surface: a tensor grid of what would come unhindered, and
 //! where shadows fall a mesh of the fraction that does.
 
-use super::super::fields::split::{Found, split};
+use super::super::fields::split::{Fine, Found, Split, split};
 use super::super::fields::tensor::{Nodes, Tensor};
-use super::super::fields::{Mesh, Node, spline};
+use super::super::fields::{Mesh, Node, counted, spline};
 use super::super::shadow::{self, Floor, Mesh as Outlined, Options, ShadowMap, Tag};
 use super::Known;
-use super::ladder::{Step, counted};
+use super::ladder::Step;
 use super::reflected::{in_space, is_cut, nodes, sums};
 use crate::scene::Scene;
 use std::collections::BTreeSet;
@@ -17,12 +17,20 @@ const COUNTS: std::ops::RangeInclusive<usize> = 1..=8;
 /// Places along each side of a surface at which a tensor grid is measured.
 const MEASURED: usize = 20;
 
-/// Edges of the shadows' mesh along the side of a square surface.
-const EDGES: f64 = 16.0;
+/// Lines that the shadows' mesh follows, and triangles that it begins with: of more, as
+/// several luminaires make them, few are worth their bytes.
+const LINES: usize = 60;
+const TRIANGLES: usize = 300;
 
-/// Linear values between nodes may err by this part of all light there; edges are
-/// not split below this part of the surface's size; and so many nodes are the most.
-const FINE: (f64, f64, usize) = (0.01, 1.0 / 200.0, 1000);
+/// Edges of the shadows' mesh along the side of a square surface.
+const EDGES: f64 = 5.0;
+
+/// Where the mesh is fine enough; lengths are parts of the surface's size.
+const FINE: Fine = Fine {
+    tolerance: 0.01,
+    shortest: 1.0 / 200.0,
+    most: 1000,
+};
 
 /// The most samples in the penumbras of one surface.
 const MOST: usize = 120;
@@ -39,7 +47,7 @@ struct Shadows {
     floor: Floor,
     steps: Vec<Step>,
     places: Vec<[f64; 2]>,
-    triangles: Vec<[usize; 3]>,
+    split: Split,
     /// Where nodes are looked at, and are made samples.
     inside: Vec<[f64; 2]>,
     /// Values that are known beforehand.
@@ -102,8 +110,10 @@ impl Direct {
         self.tensors[step].clone()
     }
 
-    pub(super) fn mesh(&self, step: usize) -> Option<(Vec<[f64; 2]>, Mesh)> {
-        self.shadows.as_ref().map(|shadows| shadows.mesh(step))
+    pub(super) fn mesh(&self, step: usize) -> Option<(Vec<[f64; 2]>, Mesh, &Split)> {
+        let shadows = self.shadows.as_ref()?;
+        let (places, mesh) = shadows.mesh(step);
+        Some((places, mesh, &shadows.split))
     }
 }
 
@@ -185,6 +195,8 @@ impl Shadows {
         }
         let maps: Vec<&ShadowMap> = maps.iter().collect();
         let options = Options {
+            most_lines: LINES,
+            triangles: TRIANGLES,
             longest: scene.surfaces[index].area.sqrt() / EDGES * 1.4,
             ..Options::default()
         };
@@ -236,9 +248,11 @@ impl Shadows {
             });
             found.collect()
         };
-        let (tolerance, shortest, most) = FINE;
-        let shortest = shortest * (floor.frame.size_u * floor.frame.size_v).sqrt();
-        let split = split(places, triangles, &look, (tolerance, shortest, most));
+        let fine = Fine {
+            shortest: FINE.shortest * (floor.frame.size_u * floor.frame.size_v).sqrt(),
+            ..FINE
+        };
+        let split = split(places, triangles, &look, fine);
         let (inside, areas) = (split.inside(), split.areas());
         // In the middle of an edge whose ends see all, or nothing, the same is seen: it
         // lies along an outline.
@@ -251,7 +265,6 @@ impl Shadows {
             let there = |value: &f64| (look(&[*place])[0].value - value).abs() < 1e-6;
             free.push(same.filter(there));
         }
-        let (places, triangles) = (split.places, split.triangles);
         let receivers = in_space(floor, &inside);
         let seen = sums(&(known.direct)(&receivers));
         let whole = sums(&(known.unshadowed)(&receivers));
@@ -267,7 +280,7 @@ impl Shadows {
                 .zip(&seen)
                 .map(|(whole, seen)| if *whole > 0.0 { seen / whole } else { 0.0 })
                 .collect(),
-            counts: (0..places.len())
+            counts: (0..inside.len())
                 .map(|k| whole[k] / (seen[k] + reflected[k]).max(1e-3 * brightest))
                 .collect(),
             areas,
@@ -275,8 +288,8 @@ impl Shadows {
         let mut shadows = Self {
             floor: floor.clone(),
             steps: Vec::new(),
-            places: nodes(floor, &places),
-            triangles,
+            places: nodes(floor, &split.places),
+            split,
             inside,
             free,
             order: Vec::new(),
@@ -391,7 +404,7 @@ impl Shadows {
             first: 0,
             samples: count,
             nodes: (0..self.places.len()).map(node).collect(),
-            triangles: self.triangles.clone(),
+            triangles: self.split.triangles.clone(),
             outside: Some(1.0),
         };
         (places[..count].to_vec(), mesh)

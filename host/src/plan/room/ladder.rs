@@ -2,10 +2,6 @@
 
 use super::super::{MOST_SAMPLES, Unplannable};
 
-/// A relative error from which on a place is simply wrong: larger ones count no
-/// more, so that a few places in the dark do not take all samples.
-pub(super) const WRONG: f64 = 0.25;
-
 /// One plan of a term.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Step {
@@ -26,12 +22,6 @@ impl Step {
             0.0
         }
     }
-}
-
-/// The square of a relative error, as far as it counts.
-pub(super) fn counted(error: f64) -> f64 {
-    let error = error.abs().min(WRONG);
-    error * error
 }
 
 /// Which step each ladder is taken to; 0 for an empty one.

@@ -18,7 +18,8 @@ mod ladder;
 mod reflected;
 mod transfer;
 
-use super::fields::Field as Term;
+use super::fields::split::Split;
+use super::fields::{Field as Term, Mesh};
 use super::shadow;
 use super::{Part, Plan, Predicted, Sample, SurfacePlan, Tag, Unplannable};
 use crate::scene::frame::Frame;
@@ -77,12 +78,18 @@ struct Surface {
     reflected: Option<Reflected>,
 }
 
-/// Plans a room.
+/// A room that has been looked at: what its plans are chosen from.
+pub struct Room<'a> {
+    scene: &'a Scene,
+    known: &'a Known<'a>,
+    surfaces: Vec<Option<Surface>>,
+}
+
+/// Looks at a room.
 ///
 /// # Errors
-/// [`Error`] where the budget is too small or too large, or a shadow cannot be
-/// found.
-pub fn plan(scene: &Scene, budget: &Budget, known: &Known<'_>) -> Result<Plan, Error> {
+/// [`Error`] where a shadow cannot be found.
+pub fn look<'a>(scene: &'a Scene, known: &'a Known<'a>) -> Result<Room<'a>, Error> {
     let of_surface = |index: usize| -> Result<Option<Surface>, Error> {
         let surface = &scene.surfaces[index];
         if !surface.reflects() {
@@ -97,27 +104,75 @@ pub fn plan(scene: &Scene, budget: &Budget, known: &Known<'_>) -> Result<Plan, E
         .into_par_iter()
         .map(of_surface)
         .collect::<Result<_, Error>>()?;
-    let ladders: Vec<&[Step]> = surfaces.iter().flat_map(Surface::ladders).collect();
-    let chosen = ladder::divide(&ladders, budget.samples, WELL).map_err(Error::Samples)?;
-    let mut predicted = ladders.chunks(3).zip(chosen.chunks(3)).map(predicted);
-    let mut chosen = chosen.chunks(3);
-    let planned: Vec<SurfacePlan> = (surfaces.iter().enumerate())
-        .map(|(index, surface)| {
-            let steps = chosen.next().unwrap_or(&[0; 3]);
-            let frame = Frame::new(&scene.surfaces[index]);
-            let predicted = predicted.next().unwrap_or_default();
-            match surface {
-                Some(surface) => SurfacePlan {
-                    predicted,
-                    ..surface.plan(frame, [steps[0], steps[1], steps[2]])
-                },
-                None => SurfacePlan::without_samples(frame),
-            }
-        })
-        .collect();
-    let mut plan = Plan { surfaces: planned };
-    transfer::shoot_from_samples(&mut plan, known);
-    Ok(plan)
+    Ok(Room {
+        scene,
+        known,
+        surfaces,
+    })
+}
+
+impl Room<'_> {
+    /// Plans it with so many bytes of meshes in flash at the most, or a little more
+    /// where the coarsest ones take more.
+    ///
+    /// # Errors
+    /// [`Error`] where the budget of samples is too small or too large.
+    pub fn plan(&self, budget: &Budget, bytes: Option<usize>) -> Result<Plan, Error> {
+        let ladders: Vec<&[Step]> = self.surfaces.iter().flat_map(Surface::ladders).collect();
+        let chosen = ladder::divide(&ladders, budget.samples, WELL).map_err(Error::Samples)?;
+        let mut predicted = ladders.chunks(3).zip(chosen.chunks(3)).map(predicted);
+        let mut chosen = chosen.chunks(3);
+        let mut splits = Vec::new();
+        let planned: Vec<SurfacePlan> = (self.surfaces.iter().enumerate())
+            .map(|(index, surface)| {
+                let steps = chosen.next().unwrap_or(&[0; 3]);
+                let frame = Frame::new(&self.scene.surfaces[index]);
+                let predicted = predicted.next().unwrap_or_default();
+                match surface {
+                    Some(surface) => {
+                        let (plan, of_meshes) = surface.plan(frame, [steps[0], steps[1], steps[2]]);
+                        splits.extend(of_meshes);
+                        SurfacePlan { predicted, ..plan }
+                    }
+                    None => SurfacePlan::without_samples(frame),
+                }
+            })
+            .collect();
+        let mut plan = Plan { surfaces: planned };
+        if let Some(bytes) = bytes {
+            thin(&mut plan, &splits, bytes);
+        }
+        transfer::shoot_from_samples(&mut plan, self.known);
+        Ok(plan)
+    }
+}
+
+/// Takes corners of meshes away, which lessen the loss least, until all meshes have
+/// so many bytes. `splits` are how they came about, in the order of the plan.
+fn thin(plan: &mut Plan, splits: &[&Split], bytes: usize) {
+    let fields = plan.surfaces.iter_mut().flat_map(|s| &mut s.fields);
+    let mut meshes: Vec<&mut Mesh> = fields.filter_map(|field| field.mesh.as_mut()).collect();
+    // Of each corner its worth, its mesh, its bytes.
+    let mut corners: Vec<(f64, usize, usize)> = Vec::new();
+    for (k, (mesh, split)) in meshes.iter().zip(splits).enumerate() {
+        let nodes = mesh.nodes.iter().map(|node| (k, node.bytes()));
+        let of_mesh = split.worth().into_iter().zip(nodes);
+        corners.extend(of_mesh.map(|(worth, (k, bytes))| (worth, k, bytes)));
+    }
+    corners.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut kept = vec![0; meshes.len()];
+    let mut used = 0;
+    for (worth, mesh, of_one) in corners {
+        used += of_one;
+        if worth.is_finite() && used > bytes {
+            break;
+        }
+        kept[mesh] += 1;
+    }
+    for ((mesh, split), kept) in meshes.iter_mut().zip(splits).zip(kept) {
+        mesh.nodes.truncate(kept);
+        mesh.triangles = split.coarser(kept);
+    }
 }
 
 /// What a surface errs by with these steps of its ladders.
@@ -149,8 +204,13 @@ impl Surface {
         ]
     }
 
-    /// With these steps of its ladders.
-    fn plan(&self, frame: Frame, [grid, shadow, reflected]: [usize; 3]) -> SurfacePlan {
+    /// With these steps of its ladders; and how its meshes came about.
+    fn plan(
+        &self,
+        frame: Frame,
+        [grid, shadow, reflected]: [usize; 3],
+    ) -> (SurfacePlan, Vec<&Split>) {
+        let mut splits = Vec::new();
         let mut samples: Vec<Sample> = Vec::new();
         let mut fields: Vec<Term> = Vec::new();
         let mut add = |places: &[[f64; 2]], tag| {
@@ -165,7 +225,8 @@ impl Surface {
         if let Some(direct) = &self.direct {
             let mut tensor = direct.tensor(grid);
             tensor.first = add(&tensor.places(), Tag::Lit);
-            let mesh = direct.mesh(shadow).map(|(places, mut mesh)| {
+            let mesh = direct.mesh(shadow).map(|(places, mut mesh, split)| {
+                splits.push(split);
                 mesh.first = add(&places, Tag::Penumbra);
                 mesh
             });
@@ -177,15 +238,17 @@ impl Surface {
         if let Some(of_patches) = &self.reflected {
             let (places, mut mesh) = of_patches.mesh(reflected);
             mesh.first = add(&places, Tag::Reflected);
+            splits.push(&of_patches.split);
             fields.push(Term {
                 tensor: None,
                 mesh: Some(mesh),
             });
         }
-        SurfacePlan {
+        let plan = SurfacePlan {
             samples,
             fields,
             ..SurfacePlan::without_samples(frame)
-        }
+        };
+        (plan, splits)
     }
 }

@@ -1,7 +1,7 @@
 //! Reflected light on a surface: a mesh, and samples in the order in which they tell
 //! most.
 
-use super::super::fields::split::{Found, split};
+use super::super::fields::split::{Fine, Found, Split, split};
 use super::super::fields::{Mesh, Node, shares};
 use super::super::shadow::{Floor, Lines, Mesh as Outlined, Options};
 use super::Known;
@@ -10,11 +10,14 @@ use crate::scene::polygon::point_to_segment;
 use glam::{DVec2, DVec3};
 
 /// Edges of the mesh along the longer side of a square surface.
-const EDGES: f64 = 8.0;
+const EDGES: f64 = 3.0;
 
-/// Linear values between nodes may err by this part of all light there; edges are
-/// not split below this part of the surface's size; and so many nodes are the most.
-const FINE: (f64, f64, usize) = (0.01, 1.0 / 128.0, 500);
+/// Where the mesh is fine enough; lengths are parts of the surface's size.
+const FINE: Fine = Fine {
+    tolerance: 0.01,
+    shortest: 1.0 / 128.0,
+    most: 500,
+};
 
 /// The most samples of one surface.
 const MOST: usize = 200;
@@ -26,7 +29,7 @@ const NEAREST: usize = 24;
 pub(super) struct Reflected {
     pub(super) steps: Vec<Step>,
     nodes: Vec<[f64; 2]>,
-    triangles: Vec<[usize; 3]>,
+    pub(super) split: Split,
     /// Where nodes are looked at, and are made samples.
     inside: Vec<[f64; 2]>,
     /// What they may receive.
@@ -104,9 +107,11 @@ impl Reflected {
             });
             found.collect()
         };
-        let (tolerance, shortest, most) = FINE;
-        let shortest = shortest * area.sqrt();
-        let split = split(vertices, triangles, &look, (tolerance, shortest, most));
+        let fine = Fine {
+            shortest: FINE.shortest * area.sqrt(),
+            ..FINE
+        };
+        let split = split(vertices, triangles, &look, fine);
         let (inside, areas) = (split.inside(), split.areas());
         let places = in_space(floor, &inside);
         let parts = (known.reflected)(&places);
@@ -145,7 +150,7 @@ impl Reflected {
         Some(Self {
             steps: steps.collect(),
             nodes: nodes(floor, &split.places),
-            triangles: split.triangles,
+            split,
             inside,
             rows,
             order: found.into_iter().map(|(node, _)| node).collect(),
@@ -176,7 +181,7 @@ impl Reflected {
             first: 0,
             samples: places.len(),
             nodes: (0..self.nodes.len()).map(node).collect(),
-            triangles: self.triangles.clone(),
+            triangles: self.split.triangles.clone(),
             outside: None,
         };
         (places, mesh)
