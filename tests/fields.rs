@@ -45,7 +45,14 @@ fn room(scene: &Scene) -> (Plan, Tables) {
     let direct = reference(scene, 0);
     let field = |places: &[(DVec3, DVec3)]| direct.irradiance_at(places);
     let looking = (Some(&occlusion), Sight::Exact);
-    let plan = pilot::room(scene, &scene.budget, looking, false, &field).expect("a plan");
+    let plan = pilot::room(
+        scene,
+        &scene.budget,
+        looking,
+        pilot::Manner::default(),
+        &field,
+    )
+    .expect("a plan");
     let tables = bake::bake(scene, &plan, Some(occlusion)).expect("tables");
     (plan, tables)
 }

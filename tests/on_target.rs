@@ -337,7 +337,14 @@ fn fields_give_the_hosts_bits_on_every_core() {
     let direct = reference(&room, 0).expect("a reference");
     let field = |places: &[_]| direct.irradiance_at(places);
     let looking = (Some(&occlusion), Sight::Exact);
-    let of_room = pilot::room(&room, &room.budget, looking, false, &field).expect("a plan");
+    let of_room = pilot::room(
+        &room,
+        &room.budget,
+        looking,
+        pilot::Manner::default(),
+        &field,
+    )
+    .expect("a plan");
     let tables_of_room = bake::bake(&room, &of_room, Some(occlusion)).expect("tables");
     for (scene, plan, tables, sight) in [
         (&open, &of_open, &tables_of_open, Sight::None),

@@ -107,11 +107,20 @@ impl std::fmt::Display for Error {
 
 impl std::error::Error for Error {}
 
+/// How a room is planned.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Manner {
+    /// Whether the tables will hold codes in place of occluders.
+    pub coded: bool,
+    /// Whether what the scene's camera sees larger counts more.
+    pub for_camera: bool,
+}
+
 /// Plans a room by error ([`plan::room`]): a first solution tells where patches
 /// belong, and a second one, of these patches, what samples can tell of the light.
 ///
 /// Meshes are made coarser until the tables take no more flash than the budget says,
-/// or the device of `memory.x` has; `coded` counts the codes of patches among them.
+/// or the device of `memory.x` has.
 /// Where patches and the coarsest meshes take more the plan takes more.
 ///
 /// # Errors
@@ -120,7 +129,7 @@ pub fn room(
     scene: &Scene,
     budget: &Budget,
     looking: (Option<&Occlusion>, Sight),
-    coded: bool,
+    manner: Manner,
     direct: &Field<'_>,
 ) -> Result<Plan, Error> {
     let (occlusion, sight) = looking;
@@ -141,7 +150,15 @@ pub fn room(
         let found = light.terms(&receivers(places), emitters.clone(), sight);
         found.unwrap_or_else(|_| dark())
     };
+    let of_camera = match manner.for_camera {
+        true => plan::room::view::importance(scene),
+        false => None,
+    };
     let known = plan::room::Known {
+        importance: &|place, normal| match &of_camera {
+            Some(importance) => importance(place, normal),
+            None => 1.0,
+        },
         draft: &draft,
         unshadowed: &|places| terms(places, 0..luminaires, Sight::None),
         direct: &|places| terms(places, 0..luminaires, sight),
@@ -151,7 +168,7 @@ pub fn room(
     let mut plan = room.plan(budget, None).map_err(Error::Room)?;
     let most = budget.flash.map_or(FLASH, |bytes| bytes as usize);
     for _ in 0..THINNINGS {
-        let baked = match coded {
+        let baked = match manner.coded {
             true => bake::bake_coded(scene, &plan, occlusion.cloned()),
             false => bake::bake(scene, &plan, occlusion.cloned()),
         };

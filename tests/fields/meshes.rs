@@ -10,7 +10,7 @@ use isolux::resample::{Stencils, Tensors};
 use isolux::scene::Scene;
 use isolux::shoot::{Light, Stop};
 use isolux::visibility::Exact;
-use isolux_host::plan::fields::split::{Found, split};
+use isolux_host::plan::fields::split::{Fine, Found, split};
 use isolux_host::plan::fields::{shares, spline};
 use proptest::prelude::*;
 
@@ -137,9 +137,10 @@ proptest! {
         let places = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         let look = |places: &[[f64; 2]]| -> Vec<Found> {
             let value = |place: &[f64; 2]| DVec2::from(*place).distance(bend.into());
-            places.iter().map(|place| Found { value: value(place), counts: 1.0 }).collect()
+            places.iter().map(|place| Found { value: value(place), counts: 1.0, weight: 1.0 }).collect()
         };
-        let split = split(places, vec![[0, 1, 2], [0, 2, 3]], &look, (0.01, 0.01, 200));
+        let fine = Fine { tolerance: 0.01, shortest: 0.01, most: 200 };
+        let split = split(places, vec![[0, 1, 2], [0, 2, 3]], &look, fine);
         prop_assert!((split.areas().iter().sum::<f64>() - 1.0).abs() < 1e-12);
         for &[a, b, c] in &split.triangles {
             for [a, b] in [[a, b], [b, c], [c, a]] {

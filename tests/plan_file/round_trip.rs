@@ -70,7 +70,14 @@ fn patches_and_meshes_past_occluders() {
     let looking = (Some(&occlusion), Sight::Exact);
     let direct = light(&scene, 0);
     let field = |places: &[(DVec3, DVec3)]| direct.irradiance_at(places);
-    let room = pilot::room(&scene, &scene.budget, looking, false, &field).expect("a plan");
+    let room = pilot::room(
+        &scene,
+        &scene.budget,
+        looking,
+        pilot::Manner::default(),
+        &field,
+    )
+    .expect("a plan");
     assert!(room.free_samples() > 0 && room.is_linear());
     same_bytes(&scene, &room, Some(&occlusion), "meshes");
     let linear = pilot::linear(&scene, &scene.budget, looking, &field).expect("a plan");

@@ -39,6 +39,10 @@ pub(super) struct RungArguments {
     /// cone (the paper's).
     #[arg(long, value_name = "RUNG")]
     pub(super) reconstruction: Option<String>,
+    /// Places samples for the scene's camera: what it sees larger gets more of them, and
+    /// the predicted error is that of its pixels. Rooms by error only.
+    #[arg(long)]
+    pub(super) for_camera: bool,
     /// Whether light is only evaluated from the emitters and never reconstructed
     /// from samples: then a room is planned for its emitters alone.
     #[arg(skip)]
@@ -142,6 +146,8 @@ pub(super) struct Choices {
     pub(super) points_asked: bool,
     /// Whether light is only evaluated from the emitters.
     pub(super) at_points: bool,
+    /// Whether the camera says where samples go.
+    pub(super) for_camera: bool,
 }
 
 /// Surfaces that reflect, above which light goes to and fro so much that a
@@ -211,6 +217,7 @@ pub(super) fn choices(
         placement,
         points_asked: rungs.emitters.as_deref() == Some("points"),
         at_points: flags.at_points,
+        for_camera: flags.for_camera,
         sight: match rungs.visibility.as_deref() {
             Some("vertex-rays") => Sight::VertexRays,
             Some("none") => Sight::None,
@@ -230,7 +237,25 @@ pub(super) fn choices(
     };
     integers_suffice(&choices, needs)?;
     ladders_agree(&choices, &rungs, is_room)?;
+    placed_for_camera(&choices, scene)?;
     Ok(choices)
+}
+
+/// Refuses `--for-camera` where it would change nothing.
+fn placed_for_camera(choices: &Choices, scene: &Scene) -> Result<(), Failure> {
+    let by_error = choices.placement == Placement::Error && choices.emitters == Emitters::Linear;
+    let without = "leave out --for-camera";
+    match choices.for_camera {
+        true if scene.camera.is_none() => Err(Failure::usage(
+            format!("scene `{}` has no camera to place samples for", scene.name),
+            format!("add a [camera] to it, or {without}"),
+        )),
+        true if choices.at_points || !by_error => Err(Failure::usage(
+            "only rooms whose samples are placed by error, and reconstructed from, have samples for a camera",
+            without,
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// The name of the rung of reconstruction that a plan has.

@@ -173,10 +173,13 @@ fn place(
     };
     let progress = Progress::start("planning", 0);
     let looking = (occlusion, choices.sight);
-    let coded = choices.transfer == Transfer::Codes;
+    let manner = pilot::Manner {
+        coded: choices.transfer == Transfer::Codes,
+        for_camera: choices.for_camera,
+    };
     let plan = match choices.placement {
         Placement::Error if !choices.at_points => {
-            pilot::room(scene, &scene.budget, looking, coded, &field)
+            pilot::room(scene, &scene.budget, looking, manner, &field)
                 .map_err(|error| Failure::limit(error, remedy))
         }
         _ => pilot::linear(scene, &scene.budget, looking, &field)

@@ -38,6 +38,8 @@ pub struct Found {
     pub value: f64,
     /// What its error is multiplied by.
     pub counts: f64,
+    /// What the square of that is multiplied by.
+    pub weight: f64,
 }
 
 /// What ends the splitting.
@@ -73,7 +75,7 @@ pub fn split(
     let inside = split.inside();
     let mut values: Vec<f64> = look(&inside).iter().map(|found| found.value).collect();
     // What was found in the middles of edges, and how much it errs.
-    let mut known: BTreeMap<[usize; 2], (f64, f64)> = BTreeMap::new();
+    let mut known: BTreeMap<[usize; 2], (f64, f64, f64)> = BTreeMap::new();
     for _ in 0..PASSES {
         let edges = split.edges();
         let long = |edge: &&[usize; 2]| split.length(**edge) > 2.0 * fine.shortest;
@@ -85,13 +87,16 @@ pub fn split(
         for (&edge, found) in new.iter().zip(look(&middles.collect::<Vec<_>>())) {
             let mean = (values[edge[0]] + values[edge[1]]) / 2.0;
             let error = (found.value - mean).abs() * found.counts;
-            known.insert(edge, (found.value, error));
+            known.insert(edge, (found.value, error, found.weight));
         }
         let wrong = long_enough
             .iter()
             .filter(|edge| known[*edge].1 > fine.tolerance);
         let mut wrong: Vec<(f64, [usize; 2])> = wrong
-            .map(|&edge| (counted(known[&edge].1) * split.area(&edges[&edge]), edge))
+            .map(|&edge| {
+                let (_, error, weight) = known[&edge];
+                (counted(error) * weight * split.area(&edges[&edge]), edge)
+            })
             .collect();
         wrong.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let Some(&(greatest, _)) = wrong.first() else {
@@ -265,6 +270,7 @@ mod tests {
             let found = |place| Found {
                 value: value(place),
                 counts: 1.0,
+                weight: 1.0,
             };
             places.iter().map(found).collect()
         };

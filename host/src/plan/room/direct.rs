@@ -7,7 +7,7 @@ use super::super::fields::{Mesh, Node, counted, spline};
 use super::super::shadow::{self, Floor, Mesh as Outlined, Options, ShadowMap, Tag};
 use super::Known;
 use super::ladder::Step;
-use super::reflected::{in_space, is_cut, nodes, sums};
+use super::reflected::{in_space, is_cut, nodes, sums, weighed};
 use crate::scene::Scene;
 use std::collections::BTreeSet;
 
@@ -87,11 +87,12 @@ impl Direct {
                 fraction / total.max(1e-3 * brightest)
             })
             .collect();
+        let each = vec![scene.surfaces[index].area / places.len().max(1) as f64; places.len()];
         let truth = Truth {
+            areas: weighed(&each, &receivers, known),
             places,
             whole,
             counts,
-            area: scene.surfaces[index].area,
         };
         let (tensors, grids) = grids(scene, index, floor, known, &truth);
         let shadows = Shadows::of(scene, index, floor, known)?;
@@ -123,7 +124,8 @@ struct Truth {
     whole: Vec<f64>,
     /// What an error of 1 W m⁻² of U is of all light.
     counts: Vec<f64>,
-    area: f64,
+    /// The area each stands for, in m².
+    areas: Vec<f64>,
 }
 
 /// The tensor grids that no other beats with as few samples.
@@ -151,10 +153,11 @@ fn grids(
                         continue;
                     };
                     let errors = truth.places.iter().enumerate().map(|(k, &place)| {
-                        counted((through.at(place) - truth.whole[k]) * truth.counts[k])
+                        let error = (through.at(place) - truth.whole[k]) * truth.counts[k];
+                        counted(error) * truth.areas[k]
                     });
-                    let mean = errors.sum::<f64>() / truth.places.len().max(1) as f64;
-                    all.push((tensor, mean * truth.area));
+                    let loss = errors.sum::<f64>();
+                    all.push((tensor, loss));
                 }
             }
         }
@@ -169,7 +172,7 @@ fn grids(
             steps.push(Step {
                 samples: tensor.samples(),
                 loss,
-                area: truth.area,
+                area: truth.areas.iter().sum(),
             });
             tensors.push(tensor);
         }
@@ -238,7 +241,9 @@ impl Shadows {
             let seen = sums(&(known.direct)(&places));
             let whole = sums(&(known.unshadowed)(&places));
             let reflected = sums(&(known.reflected)(&places));
+            let weight = |(place, normal)| (known.importance)(place, normal);
             let found = (0..places.len()).map(|k| Found {
+                weight: weight(places[k]),
                 value: if whole[k] > 0.0 {
                     seen[k] / whole[k]
                 } else {
@@ -253,7 +258,8 @@ impl Shadows {
             ..FINE
         };
         let split = split(places, triangles, &look, fine);
-        let (inside, areas) = (split.inside(), split.areas());
+        let inside = split.inside();
+        let areas = weighed(&split.areas(), &in_space(floor, &inside), known);
         // In the middle of an edge whose ends see all, or nothing, the same is seen: it
         // lies along an outline.
         for (ends, place) in split.ends.iter().zip(&inside).skip(free.len()) {

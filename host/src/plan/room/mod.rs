@@ -17,6 +17,7 @@ mod direct;
 mod ladder;
 mod reflected;
 mod transfer;
+pub mod view;
 
 use super::fields::split::Split;
 use super::fields::{Field as Term, Mesh};
@@ -46,6 +47,8 @@ pub struct Known<'a> {
     pub direct: &'a Terms<'a>,
     /// From patches.
     pub reflected: &'a Terms<'a>,
+    /// How much the error of a place counts.
+    pub importance: &'a view::Importance<'a>,
 }
 
 /// Why a room could not be planned.

@@ -4,8 +4,8 @@
 use super::super::fields::split::{Fine, Found, Split, split};
 use super::super::fields::{Mesh, Node, shares};
 use super::super::shadow::{Floor, Lines, Mesh as Outlined, Options};
-use super::Known;
 use super::ladder::Step;
+use super::{Known, Places};
 use crate::scene::polygon::point_to_segment;
 use glam::{DVec2, DVec3};
 
@@ -79,6 +79,13 @@ pub(super) fn in_space(floor: &Floor, places: &[[f64; 2]]) -> Vec<(DVec3, DVec3)
     places.iter().map(place).collect()
 }
 
+/// Areas, each by how much the place that it is around counts.
+pub(super) fn weighed(areas: &[f64], places: &Places, known: &Known<'_>) -> Vec<f64> {
+    let of_place = areas.iter().zip(places);
+    let weighed = of_place.map(|(area, &(place, normal))| area * (known.importance)(place, normal));
+    weighed.collect()
+}
+
 pub(super) fn sums(terms: &[Vec<f32>]) -> Vec<f64> {
     let sum = |parts: &Vec<f32>| parts.iter().map(|&part| f64::from(part)).sum();
     terms.iter().map(sum).collect()
@@ -101,9 +108,11 @@ impl Reflected {
             let places = in_space(floor, places);
             let reflected = sums(&(known.reflected)(&places));
             let direct = sums(&(known.direct)(&places));
-            let found = reflected.iter().zip(direct).map(|(&value, direct)| Found {
+            let found = reflected.iter().zip(direct).zip(&places);
+            let found = found.map(|((&value, direct), &(place, normal))| Found {
                 value,
                 counts: 1.0 / (value + direct).max(f64::MIN_POSITIVE),
+                weight: (known.importance)(place, normal),
             });
             found.collect()
         };
@@ -112,8 +121,9 @@ impl Reflected {
             ..FINE
         };
         let split = split(vertices, triangles, &look, fine);
-        let (inside, areas) = (split.inside(), split.areas());
+        let inside = split.inside();
         let places = in_space(floor, &inside);
+        let areas = weighed(&split.areas(), &places, known);
         let parts = (known.reflected)(&places);
         let direct = sums(&(known.direct)(&places));
         let rows: Vec<Vec<f64>> = parts
