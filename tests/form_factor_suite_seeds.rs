@@ -11,14 +11,42 @@ const SEEDS: u64 = 4;
 /// Half an ulp of 1 in single precision.
 const U: f64 = f32::EPSILON as f64 / 2.0;
 
-/// The largest |F − exact| of every class, by rung, and the factor of u L/h: next
-/// to an edge for floating point, everywhere for words.
-const LAWS: [(&str, f64, f64); 5] = [
+/// The largest |F − exact| of every class, by rung, and the factor of u L/h next to
+/// an edge.
+const LAWS: [(&str, f64, f64); 6] = [
     ("poly3", 1.5e-4, 0.03),
     ("poly5", 2.5e-6, 0.03),
     ("poly8", 2.5e-7, 0.03),
     ("best", 2.5e-7, 0.03),
-    ("q24", 5e-6, 0.25),
+    ("q24", 5e-6, 0.0),
+    ("q29", 5e-8, 0.0),
+];
+
+/// Cases that a rung once got wrong: class, seed and number.
+///
+/// | class | what went wrong |
+/// | --- | --- |
+/// | `huge` | a receiver that is surrounded: 1/(2π) and the sum's roundings, 3.1e-7 |
+/// | `near_edge` | words have no plane for an edge at 1e-7: 0 for 0.80; 4.7e-3 |
+/// | `near_plane` | the same at the clip: 1.4e-5 |
+/// | `tiny` | terms that cancel where both cosines are small: 4e-6 of F |
+const KNOWN: [(&str, u64, usize); 16] = [
+    ("huge", 383, 16),
+    ("huge", 183, 43),
+    ("huge", 28, 124),
+    ("huge", 799, 0),
+    ("huge", 747, 70),
+    ("huge", 1005, 184),
+    ("huge", 19, 107),
+    ("huge", 133, 48),
+    ("near_edge", 117, 37),
+    ("near_edge", 209, 139),
+    ("near_plane", 341, 20),
+    ("near_plane", 279, 179),
+    ("tiny", 276, 80),
+    ("tiny", 219, 76),
+    ("tiny", 216, 44),
+    ("tiny", 397, 140),
 ];
 
 /// L/h: the largest distance to a vertex over the one to the nearest edge.
@@ -39,17 +67,35 @@ fn conditioning(case: &Case) -> f64 {
     far / near
 }
 
-/// The relative error allowed on a tiny emitter: 1.5e-6, and for a slender one
-/// what rounding takes from D_i × D_{i+1}, 4 u over its slenderness.
-fn relative(case: &Case) -> f64 {
-    let double = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
-    let corner = |k: usize| double(case.vertices[k % case.vertices.len()]);
-    let count = case.vertices.len();
-    let offset = |k: usize| corner(k) - corner(0);
-    let area: DVec3 = (0..count).map(|k| offset(k).cross(offset(k + 1))).sum();
-    let longest = (0..count).map(|k| (corner(k + 1) - corner(k)).length_squared());
-    let slenderness = 0.5 * area.length() / longest.fold(0.0, f64::max);
-    (4.0 * U / slenderness).max(1.5e-6)
+/// The error of a rung on a case, and what it may be.
+fn judge(class: &str, case: &Case, (name, general, edge): (&str, f64, f64)) -> (f64, f64) {
+    let rung = FormFactorRung::named(name).expect("a rung");
+    let (got, _) = rung
+        .form_factor(case.position, case.normal, &case.vertices)
+        .expect("a receiver");
+    assert!((0.0..=1.0).contains(&got), "{name} {class}: {got}");
+    let bound = match class {
+        "backface" => f64::MIN_POSITIVE,
+        RELATIVE if name == "best" => 1.5e-6 * case.exact,
+        CONDITIONED if edge > 0.0 => (0.8 * general + edge * U * conditioning(case)).min(2e-2),
+        _ => general,
+    };
+    ((got - case.exact).abs(), bound)
+}
+
+#[test]
+fn cases_that_went_wrong_once_do_no_more() {
+    for (class, seed, number) in KNOWN {
+        let case = &cases_of(class, seed)[number];
+        for law in LAWS {
+            let (error, bound) = judge(class, case, law);
+            let rung = law.0;
+            assert!(
+                error <= bound,
+                "{rung} {class} seed {seed} case {number}: {error:e} of {bound:e}"
+            );
+        }
+    }
 }
 
 fn seeds() -> u64 {
@@ -65,21 +111,9 @@ fn other_seeds_keep_what_the_suite_keeps() {
         let mut worst = [(0.0_f64, 0.0_f64, 0.0_f64, 0_u64, 0_usize); LAWS.len()];
         for seed in 2..2 + seeds() {
             for (number, case) in cases_of(class, seed).iter().enumerate() {
-                for ((name, general, edge), worst) in LAWS.iter().zip(&mut worst) {
-                    let rung = FormFactorRung::named(name).expect("a rung");
-                    let (got, _) = rung
-                        .form_factor(case.position, case.normal, &case.vertices)
-                        .expect("a receiver");
-                    let error = (got - case.exact).abs();
-                    let bound = match class {
-                        "backface" => f64::MIN_POSITIVE,
-                        RELATIVE if *name == "best" => relative(case) * case.exact,
-                        // The documented error of unit vectors in words.
-                        _ if *name == "q24" => general + edge * U * conditioning(case),
-                        CONDITIONED => (0.8 * general + edge * U * conditioning(case)).min(2e-2),
-                        _ => *general,
-                    };
-                    if error > bound || !(0.0..=1.0).contains(&got) {
+                for (&law, worst) in LAWS.iter().zip(&mut worst) {
+                    let ((error, bound), name) = (judge(class, case, law), law.0);
+                    if error > bound {
                         broken.push(format!("{name} {class} seed {seed} case {number}: {error:e} of {bound:e}: {case:?}"));
                     }
                     if error / bound >= worst.1 {

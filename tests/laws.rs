@@ -23,6 +23,8 @@ mod extremes;
 mod judged;
 #[path = "laws/ladder.rs"]
 mod ladder;
+#[path = "laws/narrow.rs"]
+mod narrow;
 #[path = "laws/shapes.rs"]
 mod shapes;
 #[path = "laws/symmetry.rs"]

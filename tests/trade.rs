@@ -26,7 +26,7 @@ const ALLOWANCE: f64 = 1.03;
 /// receiver may be close to an edge or to the plane. The fits err
 /// relatively by 4.6e-5, 3.9e-7 and 6e-11 (`poly3`, `poly5`, `poly8`), and the sum
 /// of |angles| over a turn is at most 1 for a convex loop. `libm` and `micromath`
-/// are yardsticks: theirs are what they are; words turn an edge by u L/h.
+/// are yardsticks: theirs are what they are.
 const LAWS: [(&str, f64, f64); 8] = [
     ("libm", 1.9e-4, 6e-2),
     ("micromath", 5e-2, 1e-1),
@@ -34,8 +34,8 @@ const LAWS: [(&str, f64, f64); 8] = [
     ("poly5", 6.5e-7, 6.5e-7),
     ("poly8", 2.5e-7, 2.5e-7),
     ("best", 2.5e-7, 2.5e-7),
-    ("q24", 5e-6, 2e-1),
-    ("q29", 5e-8, 2e-2),
+    ("q24", 5e-6, 5e-6),
+    ("q29", 5e-8, 5e-8),
 ];
 
 fn read(name: &str) -> Vec<Vec<String>> {
@@ -92,7 +92,7 @@ fn no_rung_costs_more_than_committed() {
     let committed = read("trade.csv");
     assert_eq!(committed[0].join(","), table::COLUMNS);
     let found = form_factors(|_| ()).unwrap_or_else(|error| panic!("{error}"));
-    let rows = found.rungs;
+    let rows = &found.rungs;
     if let Some(error) = found.missing {
         let required = std::env::var_os("ISOLUX_REQUIRE_QEMU").is_some();
         assert!(!required, "{error}");
@@ -100,10 +100,13 @@ fn no_rung_costs_more_than_committed() {
         return;
     }
     type Figure = fn(&FormFactors) -> Option<f64>;
-    let figures: [(&str, Figure); 7] = [
+    let figures: [(&str, Figure); 8] = [
         ("m4f_cycles", |row| row.device.as_ref()?.m4f_cycles),
         ("m4f_cycles_per_edge", |row| {
             row.device.as_ref()?.m4f_cycles_per_edge
+        }),
+        ("m4f_cycles_per_narrow_edge", |row| {
+            row.device.as_ref()?.m4f_cycles_per_narrow_edge
         }),
         ("m4f_instructions", |row| {
             Some(row.device.as_ref()?.m4f_instructions)
@@ -123,9 +126,11 @@ fn no_rung_costs_more_than_committed() {
     ];
     for (name, of) in figures {
         let mut committed = column(&committed, name, 1);
-        committed.remove(table::CLIP);
+        for part in &found.parts {
+            committed.remove(part.name);
+        }
         assert_eq!(committed.len(), rows.len(), "{name}; see {COMMAND}");
-        for row in &rows {
+        for row in rows {
             let (got, known) = (of(row).expect("measured"), committed[row.rung]);
             assert!(
                 got <= ALLOWANCE * known,
@@ -141,11 +146,19 @@ fn no_rung_costs_more_than_committed() {
 #[test]
 fn edges_take_the_cycles_they_may() {
     let committed = column(&read("trade.csv"), "m4f_cycles_per_edge", 1);
-    let clip = committed[table::CLIP];
+    let clip = committed["clip"];
     assert!(clip <= 25.0, "translation and clip: {clip}");
     for (rung, allowed) in [("poly5", 90.0), ("poly8", 100.0), ("best", 115.0)] {
         let edge = committed[rung] - clip;
         assert!(edge <= allowed, "{rung}: {edge}");
+    }
+    // Small emitters, by table and by the form without a root; the table's takes 8 for
+    // the height and its test.
+    assert!(committed["table"] - 8.0 <= 95.0, "{}", committed["table"]);
+    let narrow = column(&read("trade.csv"), "m4f_cycles_per_narrow_edge", 1);
+    for rung in ["poly3", "poly5", "poly8"] {
+        let spared = committed[rung] - narrow[rung];
+        assert!(spared >= 10.0, "a root spared: {rung}: {spared}");
     }
     // Without FPU the vertices' directions are the work: with translation and clip.
     for rung in ["q24", "q29"] {

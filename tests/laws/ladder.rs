@@ -58,8 +58,8 @@ fn allowed(rung: Option<FormFactorRung>, view: &View) -> f64 {
         "micromath" => 2e-2 * count + near,
         "poly3" => 5e-5 * turns(view) + near,
         "poly5" => 6.5e-7 * turns(view) + near,
-        "q24" => 5e-6 * turns(view) + 0.5 / f64::from(1 << 25) * conditioning,
-        "q29" => 5e-8 * turns(view) + 0.5 / f64::from(1 << 30) * conditioning,
+        "q24" => 5e-6 * turns(view),
+        "q29" => 5e-8 * turns(view),
         _ => 2.5e-7 * turns(view) + near,
     }
 }

@@ -12,7 +12,7 @@ use crate::report::{Progress, write_file};
 use crate::solve::FormFactorRung;
 use crate::trade::room::InRoom;
 use crate::trade::scene::{InScene, Judged};
-use crate::trade::{self, Clip, FormFactors, Trade, table};
+use crate::trade::{self, FormFactors, Part, Trade, table};
 use clap::Args;
 use serde::Serialize;
 use std::io::Write;
@@ -50,7 +50,7 @@ pub(super) struct Arguments {
 #[derive(Serialize)]
 struct Traded<'a> {
     form_factors: &'a [FormFactors],
-    clip: Option<Clip>,
+    parts: &'a [Part],
     scene: Option<SceneTraded<'a>>,
     /// Why the device's figures are missing.
     missing: Option<String>,
@@ -101,7 +101,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     let measured = trade::form_factors(step).map_err(|error| Failure::limit(error, ""))?;
     let Trade {
         rungs: rows,
-        clip,
+        parts,
         missing,
     } = measured;
     let missing = missing.map(|error| error.to_string());
@@ -137,12 +137,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         }
         None => None,
     };
-    let files = write(arguments, (&rows, clip.as_ref()), scene.as_ref())?;
+    let files = write(arguments, (&rows, &parts), scene.as_ref())?;
     let mut out = std::io::stdout().lock();
     if json {
         let traded = Traded {
             form_factors: &rows,
-            clip,
+            parts: &parts,
             scene: scene.as_ref().map(|scene| SceneTraded {
                 name: &scene.name,
                 reflections: scene.reflections,
@@ -164,8 +164,8 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
             "cost of a quad's on a Cortex-M4F, cycles estimated; on M3: instructions there; front: * absolute, o relative"
         )?;
         writeln!(out, "{}", table::terminal(&rows))?;
-        if let Some(clip) = &clip {
-            writeln!(out, "{}", table::clip_terminal(clip))?;
+        for part in &parts {
+            writeln!(out, "{}", table::part_terminal(part))?;
         }
         if let Some(OfScene {
             name,
@@ -192,13 +192,13 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
 /// Writes the files and gives their names.
 fn write(
     arguments: &Arguments,
-    (rows, clip): (&[FormFactors], Option<&Clip>),
+    (rows, parts): (&[FormFactors], &[Part]),
     scene: Option<&OfScene>,
 ) -> Result<Vec<String>, Failure> {
     let picture = plot(rows).and_then(|picture| picture.png());
     let picture = picture.map_err(|error| Failure::limit(error, ""))?;
     let mut files = vec![
-        ("trade.csv", table::csv(rows, clip).into_bytes()),
+        ("trade.csv", table::csv(rows, parts).into_bytes()),
         ("trade-classes.csv", table::classes_csv(rows).into_bytes()),
         ("trade.png", picture),
     ];

@@ -30,6 +30,9 @@ const OCTAGON: usize = 8;
 /// The case from which the cost of an edge is taken.
 const WHOLE: &str = "large-unclipped";
 
+/// That from which the cost of an edge seen under at most 45° is taken.
+const NARROW: &str = "small-unclipped";
+
 /// The rung whose form factor is measured without its clip as well.
 const CLIPPING: &str = "poly5";
 
@@ -74,6 +77,8 @@ pub struct DeviceCost {
     /// Cycles of one edge more: a quarter of octagon less quad, both large and
     /// unclipped. With translation, test of the horizon and loop.
     pub m4f_cycles_per_edge: Option<f64>,
+    /// The same of a small emitter, whose edges are seen under at most 45°.
+    pub m4f_cycles_per_narrow_edge: Option<f64>,
     /// Exact instructions on the Cortex-M3, where every operation of `f32` is
     /// a call; `None` where its Rust target is missing.
     pub m3_instructions: Option<f64>,
@@ -98,11 +103,16 @@ impl FormFactors {
     }
 }
 
-/// What a loop above the horizon pays for the horizon and for being brought to
-/// the receiver, on the Cortex-M4F: a form factor of `poly5` less the same sum
-/// over vertices that are relative to the receiver already and are not tested.
+/// What is no rung but measured beside them, on the Cortex-M4F.
+///
+/// `clip` is what a loop above the horizon pays for the horizon and for being
+/// brought to the receiver: a form factor of `poly5` less the same sum over vertices
+/// that are relative to the receiver already and are not tested. `table` is `best`
+/// with a table of its edges, of a small emitter above the horizon.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Clip {
+pub struct Part {
+    /// Its name.
+    pub name: &'static str,
     /// Estimated cycles of a quad, the test of its facing included.
     pub m4f_cycles: f64,
     /// Those of one edge more.
@@ -114,8 +124,8 @@ pub struct Clip {
 pub struct Trade {
     /// The rungs, in the order of the ladder.
     pub rungs: Vec<FormFactors>,
-    /// The horizon by itself; `None` where nothing was traced.
-    pub clip: Option<Clip>,
+    /// What was measured beside them; none where nothing was traced.
+    pub parts: Vec<Part>,
     /// Why costs on the device are missing, if so.
     pub missing: Option<device::Error>,
 }
@@ -144,11 +154,11 @@ pub fn form_factors(mut progress: impl FnMut(&str)) -> Result<Trade, device::Err
         })
         .collect();
     mark(&mut rows);
-    let clip = measured.as_ref().and_then(OnDevice::clip);
+    let parts = measured.as_ref().map(OnDevice::parts).unwrap_or_default();
     let missing = missing.or(measured.and_then(|measured| measured.missing));
     Ok(Trade {
         rungs: rows,
-        clip,
+        parts,
         missing,
     })
 }
@@ -219,24 +229,31 @@ impl OnDevice {
         })
     }
 
-    /// Cycles of a call of an operation on the emitter that is seen whole.
-    fn whole(&self, of: impl Fn(&device::Cost) -> bool, size: usize) -> Option<f64> {
-        let is_it = |cost: &device::Cost| of(cost) && cost.size == size && cost.case == WHOLE;
+    /// Cycles of a call of an operation on an emitter that is seen whole.
+    fn seen(&self, case: &str, of: impl Fn(&device::Cost) -> bool, size: usize) -> Option<f64> {
+        let is_it = |cost: &device::Cost| of(cost) && cost.size == size && cost.case == case;
         let found = self.traced.iter().find(|traced| is_it(&traced.cost))?;
         Some(cycles(found))
     }
 
-    /// The horizon by itself.
-    fn clip(&self) -> Option<Clip> {
-        let difference = |size| {
-            let whole = self.whole(|cost| cost.rung == CLIPPING, size)?;
-            Some(whole - self.whole(|cost| cost.operation == "ready-sum", size)?)
+    /// What is measured beside the rungs.
+    fn parts(&self) -> Vec<Part> {
+        let part = |name, of: &dyn Fn(usize) -> Option<f64>| {
+            let (quad, octagon) = (of(QUAD)?, of(OCTAGON)?);
+            Some(Part {
+                name,
+                m4f_cycles: quad,
+                m4f_cycles_per_edge: (octagon - quad) / (OCTAGON - QUAD) as f64,
+            })
         };
-        let (quad, octagon) = (difference(QUAD)?, difference(OCTAGON)?);
-        Some(Clip {
-            m4f_cycles: quad,
-            m4f_cycles_per_edge: (octagon - quad) / (OCTAGON - QUAD) as f64,
-        })
+        let clip = part("clip", &|size| {
+            let whole = self.seen(WHOLE, |cost| cost.rung == CLIPPING, size)?;
+            Some(whole - self.seen(WHOLE, |cost| cost.operation == "ready-sum", size)?)
+        });
+        let baked = part("table", &|size| {
+            self.seen(NARROW, |cost| cost.rung == "baked", size)
+        });
+        clip.into_iter().chain(baked).collect()
     }
 
     /// The costs of a rung; `None` where the device's program lacks it.
@@ -263,6 +280,13 @@ impl OnDevice {
         let this = |cost: &device::Cost| of(cost) && Some(&cost.root) == root;
         let traced = self.traced.iter().filter(|traced| this(&traced.cost));
         let of_quads = traced.filter(|traced| traced.cost.size == QUAD);
+        let per_edge = |case| {
+            let (quad, octagon) = (
+                self.seen(case, this, QUAD)?,
+                self.seen(case, this, OCTAGON)?,
+            );
+            Some((octagon - quad) / (OCTAGON - QUAD) as f64)
+        };
         let alone = |flash: &'_ [Flash]| {
             let found = flash.iter().find(|flash| flash.rung == rung)?;
             Some((found.code_bytes, found.constant_bytes))
@@ -273,10 +297,8 @@ impl OnDevice {
             m4f_largest: dearest.map(|cost| cost.largest).max()?,
             m7_instructions: quads(&self.m7)?,
             m4f_cycles: mean(of_quads.map(cycles)),
-            m4f_cycles_per_edge: self
-                .whole(this, OCTAGON)
-                .zip(self.whole(this, QUAD))
-                .map(|(octagon, quad)| (octagon - quad) / (OCTAGON - QUAD) as f64),
+            m4f_cycles_per_edge: per_edge(WHOLE),
+            m4f_cycles_per_narrow_edge: per_edge(NARROW),
             m3_instructions: quads(&self.m3),
             code_bytes,
             table_bytes,

@@ -2,7 +2,7 @@
 
 use super::error::ClassErrors;
 use super::scene::InScene;
-use super::{Clip, FormFactors};
+use super::{FormFactors, Part};
 use crate::report::quantity;
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, TableStyle};
 
@@ -11,7 +11,7 @@ const PLAIN: TableStyle = TableStyle::new().header_separator(LineStyle::new('─
 
 /// The columns of [`csv`].
 pub const COLUMNS: &str = "rung,max,p95,tiny_relative_max,on_front,on_relative_front,\
-m4f_instructions,m4f_largest,m7_instructions,m4f_cycles,m4f_cycles_per_edge,m3_instructions,\
+m4f_instructions,m4f_largest,m7_instructions,m4f_cycles,m4f_cycles_per_edge,m4f_cycles_per_narrow_edge,m3_instructions,\
 code_bytes,table_bytes,m3_code_bytes,host_nanoseconds";
 
 /// The columns of [`scene_csv`]; errors in percent of full scale.
@@ -35,12 +35,9 @@ fn decimals(value: f64) -> String {
     format!("{value:.2}")
 }
 
-/// The name of the last line of [`csv`]: what poly5 pays for the horizon.
-pub const CLIP: &str = "clip";
-
-/// The rungs, one a line, and behind them the clip by itself.
+/// The rungs, one a line, and behind them what is measured beside them.
 #[must_use]
-pub fn csv(rows: &[FormFactors], clip: Option<&Clip>) -> String {
+pub fn csv(rows: &[FormFactors], parts: &[Part]) -> String {
     let mut text = format!("{COLUMNS}\n");
     for row in rows {
         let device = row.device.as_ref();
@@ -56,6 +53,7 @@ pub fn csv(rows: &[FormFactors], clip: Option<&Clip>) -> String {
             cell(device.map(|device| decimals(device.m7_instructions))),
             cell(device.and_then(|device| device.m4f_cycles.map(decimals))),
             cell(device.and_then(|device| device.m4f_cycles_per_edge.map(decimals))),
+            cell(device.and_then(|device| device.m4f_cycles_per_narrow_edge.map(decimals))),
             cell(device.and_then(|device| device.m3_instructions.map(decimals))),
             cell(device.map(|device| device.code_bytes)),
             cell(device.map(|device| device.table_bytes)),
@@ -65,11 +63,11 @@ pub fn csv(rows: &[FormFactors], clip: Option<&Clip>) -> String {
         text.push_str(&cells.join(","));
         text.push('\n');
     }
-    if let Some(clip) = clip {
+    for part in parts {
         let cell = |column| match column {
-            "rung" => CLIP.to_owned(),
-            "m4f_cycles" => decimals(clip.m4f_cycles),
-            "m4f_cycles_per_edge" => decimals(clip.m4f_cycles_per_edge),
+            "rung" => part.name.to_owned(),
+            "m4f_cycles" => decimals(part.m4f_cycles),
+            "m4f_cycles_per_edge" => decimals(part.m4f_cycles_per_edge),
             _ => String::new(),
         };
         let cells: Vec<String> = COLUMNS.split(',').map(cell).collect();
@@ -133,12 +131,16 @@ pub fn scene_csv(name: &str, reflections: u32, rows: &[InScene]) -> String {
     text
 }
 
-/// The clip by itself, for a person.
+/// What is measured beside the rungs, for a person.
 #[must_use]
-pub fn clip_terminal(clip: &Clip) -> String {
+pub fn part_terminal(part: &Part) -> String {
+    let what = match part.name {
+        "clip" => "of which, where nothing is below the horizon, translation and clip",
+        _ => "best with a table of its edges, a small emitter above the horizon",
+    };
     format!(
-        "of which, where nothing is below the horizon, translation and clip: {:.0} cycles of a quad, {:.0} of an edge",
-        clip.m4f_cycles, clip.m4f_cycles_per_edge
+        "{what}: {:.0} cycles of a quad, {:.0} of an edge",
+        part.m4f_cycles, part.m4f_cycles_per_edge
     )
 }
 
@@ -156,6 +158,7 @@ pub fn terminal(rows: &[FormFactors]) -> String {
         "largest",
         "cycles",
         "an edge",
+        "a narrow one",
         "on M3",
         "code",
         "tables",
@@ -177,6 +180,7 @@ pub fn terminal(rows: &[FormFactors]) -> String {
             count(device.map(|device| device.m4f_largest as f64)),
             count(device.and_then(|device| device.m4f_cycles)),
             count(device.and_then(|device| device.m4f_cycles_per_edge)),
+            count(device.and_then(|device| device.m4f_cycles_per_narrow_edge)),
             count(device.and_then(|device| device.m3_instructions)),
             count(device.map(|device| device.code_bytes as f64)),
             count(device.map(|device| device.table_bytes as f64)),

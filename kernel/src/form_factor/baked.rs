@@ -15,11 +15,11 @@
 //! −2π F r_0² = n·Σ C_i + Σ η_i (w_0·e_i + n·C_i)
 //! ```
 //!
-//! which is the formula of the rung [`Best`](super::Best) for small emitters
-//! with the cancellation done on paper; k and the domain are the same. One
-//! division an edge, no root.
+//! which is the formula of the rung [`Best`](super::Best) for small emitters but
+//! for one step; k and the domain are the same. One division an edge and no root:
+//! no edge is seen under more than 45°, so tan² γ comes from squares.
 
-use super::{Outline, residual, seen, snell};
+use super::{Outline, TURN, residual, seen, snell};
 use crate::geometry::{Plane, Receiver, Vector};
 use crate::number::{Root, residual_arctangent};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
@@ -106,9 +106,11 @@ impl<'a> Baked<'a> {
 /// 0 ≤ F ≤ 1: [`of_loops`](super::of_loops) on the rung [`Best`](super::Best), for
 /// small loops above the horizon from their tables.
 ///
-/// Errors as on [`Best`](super::Best); on small emitters the relative error is
-/// smaller, for C is rounded once, where it is a difference of products
-/// otherwise. About two thirds of the instructions there, the same elsewhere.
+/// Errors as on [`Best`](super::Best), but relative ones on small emitters: 6 u over
+/// both cosines and the emitter's slenderness (its area over its longest edge's
+/// square, at most 1); 4.4e-6 at the most in 80000 with cosines above 0.2. Terms of
+/// the size of the angles cancel here, which `Best` takes apart at the price of 33
+/// cycles an edge. About half of its instructions there, the same elsewhere.
 /// Never panics, never NaN (a NaN in the input gives 0).
 #[inline]
 pub fn of_baked_loops<'a, R: Root<f32> + Copy>(
@@ -135,7 +137,7 @@ fn contour<R: Root<f32> + Copy>(
     }
 }
 
-/// Σ γ_i n·unit(v_i × v_{i+1}) over a small loop; `None` where a part of it is
+/// Σ γ_i n·unit(v_i × v_{i+1}) in turns over a small loop; `None` where a part of it is
 /// below the horizon.
 #[inline(always)]
 fn whole(receiver: &Receiver<f32>, baked: &Baked<'_>) -> Option<f32> {
@@ -178,7 +180,7 @@ fn whole(receiver: &Receiver<f32>, baked: &Baked<'_>) -> Option<f32> {
         sum += eta * (across_first.dot(edge.along.into()) + cross);
         match next {
             Some(next) => (edge, excess) = (next, next_excess),
-            None => return Some((area - sum) / squared),
+            None => return Some((area - sum) / squared * TURN as f32),
         }
     }
 }

@@ -72,5 +72,5 @@ pub fn of_clipped<N: Floating, R: Root<N> + Copy>(
         let places = corners.iter().map(|&corner| seen.place(corner));
         snell::closed::<6, N, R>(seen.normal, seen.facing, places, cap)
     };
-    super::fraction(sum * N::of(-0.5 / core::f64::consts::PI))
+    super::fraction(-sum)
 }

@@ -1,6 +1,6 @@
 //! Eq. 3 through micromath.
 
-use super::{Arithmetic, Outline, places};
+use super::{Arithmetic, Outline, TURN, places};
 use crate::clip::{self, Edges, Place};
 use crate::geometry::{Receiver, Vector};
 use crate::number::SoftRoot;
@@ -58,6 +58,6 @@ impl Arithmetic<f32> for Micromath {
         let edges = ArcTangents {
             normal: receiver.normal(),
         };
-        clip::walk(places(receiver, outline), &edges, 0.0)
+        clip::walk(places(receiver, outline), &edges, 0.0) * TURN as f32
     }
 }

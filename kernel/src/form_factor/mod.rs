@@ -43,10 +43,12 @@ mod clipped;
 pub mod fixed_point;
 #[cfg(feature = "micromath")]
 mod micro;
+mod narrow;
 mod paper;
 mod poly;
 mod residual;
 mod snell;
+mod tally;
 
 pub use baked::{Baked, Edge, of_baked_loops};
 pub use best::Best;
@@ -66,8 +68,9 @@ pub trait Arithmetic<N: Number> {
     /// Where its square roots come from.
     type Root: Root<N> + Copy;
 
-    /// −2π times what one closed loop adds to the form factor: Σ γ_i n·unit(v_i
-    /// × v_{i+1}) over its part above the receiver's horizon.
+    /// Minus what one closed loop adds to the form factor: Σ γ_i n·unit(v_i ×
+    /// v_{i+1}) over its part above the receiver's horizon, γ_i in turns, so that
+    /// nothing is left to be multiplied.
     ///
     /// The loop lies in a plane with normal `facing` (any length), in front of
     /// which the receiver is. Fewer than 3 vertices give 0. Never panics.
@@ -160,7 +163,7 @@ fn seen<N: Number>(receiver: &Receiver<N>, plane: &Plane<N>, sums: impl Iterator
     for sum in sums {
         total = total + sum;
     }
-    fraction(total * N::of(-0.5 / core::f64::consts::PI))
+    fraction(-total)
 }
 
 /// The vertices of a loop relative to a receiver, with their heights above its
@@ -178,6 +181,9 @@ fn places<'a, N: Number>(
         }
     })
 }
+
+/// Turns a radian: 1/(2π).
+const TURN: f64 = 0.5 / core::f64::consts::PI;
 
 /// Clamps to [0, 1]; NaN becomes 0. Written with comparisons because
 /// `f32::min` and `f32::max` differ between targets on −0.

@@ -1,6 +1,6 @@
 //! Eq. 3 of the paper, corrected, through libm.
 
-use super::{Arithmetic, Outline, places};
+use super::{Arithmetic, Outline, TURN, places};
 use crate::clip::{self, Edges, Place};
 use crate::geometry::{Receiver, Vector};
 use crate::number::{ArcCosine, Root, SoftRoot};
@@ -69,6 +69,6 @@ impl<N: ArcCosine, R: Root<N> + Copy> Arithmetic<N> for Libm<R> {
             normal: receiver.normal(),
             root: PhantomData,
         };
-        clip::walk(places(receiver, outline), &edges, N::ZERO)
+        clip::walk(places(receiver, outline), &edges, N::ZERO) * N::of(TURN)
     }
 }

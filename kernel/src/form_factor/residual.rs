@@ -11,14 +11,25 @@
 //! −2π F r_0² = (n × v_0)·Σ η_i e_i + Σ (1 + η_i) n·C_i
 //! ```
 //!
-//! and η_i comes without a subtraction of nearly equal numbers:
+//! Of the two sums, what is left when both cosines are small cancels: their parts
+//! of first order in s are n·M and (n·M) r_0² − (n·v_0)(M·v_0) over r_0², with M = Σ
+//! C_i twice the area along the loop's normal. So with X_i/r_0² the first order of
+//! η_i and η′_i the rest,
+//!
+//! ```text
+//! −2π F r_0² = (n·v_0)(M·v_0)/r_0² + (n × v_0)·Σ η′_i e_i + Σ η_i n·C_i
+//! ```
+//!
+//! the first term of which is cos cos A/r² and the others smaller by s. Both
+//! orders come without a subtraction of nearly equal numbers:
 //!
 //! ```text
 //! δ_i = D_i·(2 v_0 + D_i)                       = r_i² − r_0²
-//! x   = (|e|² − δ_i − δ_{i+1})/2,   d = r_0² − x = v_i·v_{i+1}
+//! X   = −v_0·(D_i + D_{i+1}),   x = X − D_i·D_{i+1},   d = r_0² − x = v_i·v_{i+1}
 //! y   = (δ_{i+1} − δ_i − |e|²)/2
 //! l   = (r_0² + δ_i)|e|² − y²                   = |v_i × v_{i+1}|²
-//! w   = l/d² = tan² γ,   η = (x − r_0² w k(w))/d,   k(w) = (1 − h(w))/w
+//! w   = l/d² = tan² γ,   k(w) = (1 − h(w))/w
+//! η′  = (X x/r_0² − D_i·D_{i+1} − r_0² w k(w))/d,   η = X/r_0² + η′
 //! ```
 //!
 //! One division an edge and no root. k is fitted for w ≤ 1: every edge must be
@@ -27,7 +38,7 @@
 //! clipped corners carry their D along: deciding on the clipped loop would
 //! cost 2e-5.
 
-use super::Outline;
+use super::{Outline, TURN};
 use crate::clip::{self, Corner, Edges};
 use crate::geometry::{Receiver, Vector};
 use crate::number::{Number, residual_arctangent};
@@ -58,6 +69,8 @@ pub(super) fn is_within_reach<N: Number>(reach_squared: N, distance_squared: N) 
 struct Vertex<N> {
     offset: Vector<N>,
     height: N,
+    /// 2 v_0·D.
+    twice_along: N,
     /// δ = |v|² − |v_0|².
     excess: N,
     twice_first: Vector<N>,
@@ -66,11 +79,12 @@ struct Vertex<N> {
 impl<N: Number> Vertex<N> {
     #[inline(always)]
     fn new(offset: Vector<N>, height: N, twice_first: Vector<N>) -> Self {
-        let excess = offset.dot(twice_first + offset);
+        let twice_along = offset.dot(twice_first);
         Self {
             offset,
             height,
-            excess,
+            twice_along,
+            excess: twice_along + offset.norm_squared(),
             twice_first,
         }
     }
@@ -97,13 +111,17 @@ impl<N: Number> Corner<N> for Vertex<N> {
 struct Residual<N> {
     normal: Vector<N>,
     distance_squared: N,
+    /// 1/r_0².
+    inverse_squared: N,
 }
 
 #[derive(Clone, Copy)]
 struct Sum<N> {
-    /// Σ η e.
+    /// Σ C: twice the area along the loop's normal.
+    area: Vector<N>,
+    /// Σ η′ e.
     along: Vector<N>,
-    /// Σ (1 + η) n·C.
+    /// Σ η n·C.
     across: N,
 }
 
@@ -113,16 +131,21 @@ impl<N: Number> Residual<N> {
         let half = N::of(0.5);
         let e = b.offset - a.offset;
         let length_squared = e.norm_squared();
-        let x = (length_squared - a.excess - b.excess) * half;
+        let straight = (a.twice_along + b.twice_along) * N::of(-0.5);
+        let curved = a.offset.dot(b.offset);
+        let x = straight - curved;
         let y = (b.excess - a.excess - length_squared) * half;
         let inverse = N::ONE / (self.distance_squared - x);
         let l = (self.distance_squared + a.excess) * length_squared - y * y;
         let w = l * inverse * inverse;
-        let eta = (x - self.distance_squared * w * residual_arctangent(w)) * inverse;
-        let area = self.normal.dot(a.offset.cross(b.offset));
+        let first = straight * self.inverse_squared;
+        let bend = curved + self.distance_squared * w * residual_arctangent(w);
+        let second = (first * x - bend) * inverse;
+        let area = a.offset.cross(b.offset);
         Sum {
-            along: sum.along + e * eta,
-            across: sum.across + (area + eta * area),
+            area: sum.area + area,
+            along: sum.along + e * second,
+            across: sum.across + (first + second) * self.normal.dot(area),
         }
     }
 }
@@ -147,7 +170,8 @@ impl<N: Number> Edges<N, Vertex<N>> for Residual<N> {
     }
 }
 
-/// Σ γ_i n·unit(v_i × v_{i+1}) over the part of a small loop above the horizon.
+/// Σ γ_i n·unit(v_i × v_{i+1}) in turns over the part of a small loop above the
+/// horizon.
 #[inline]
 pub(super) fn contour<N: Number>(receiver: &Receiver<N>, outline: &Outline<'_, N>) -> N {
     let Some(&origin) = outline.vertices().first() else {
@@ -187,11 +211,16 @@ fn walk<N: Number>(
     let edges = Residual {
         normal,
         distance_squared,
+        inverse_squared: N::ONE / distance_squared,
     };
     let none = Sum {
+        area: Vector::ZERO,
         along: Vector::ZERO,
         across: N::ZERO,
     };
     let sum = clip::walk(corners, &edges, none);
-    (normal.cross(first).dot(sum.along) + sum.across) / distance_squared
+    let inverse_squared = edges.inverse_squared;
+    let straight = normal.dot(first) * first.dot(sum.area) * inverse_squared;
+    let bent = normal.cross(first).dot(sum.along) + sum.across;
+    (straight + bent) * inverse_squared * N::of(TURN)
 }

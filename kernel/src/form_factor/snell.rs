@@ -4,11 +4,11 @@
 //! x = |d|/t,
 //!
 //! ```text
-//! γ/|c| = s(x)/t            where d ≥ 0
-//! γ/|c| = π/|c| − s(x)/t    where d < 0
+//! γ/|c| = s(x)/t              where d ≥ 0
+//! γ/|c| = 1/(2|c|) − s(x)/t   where d < 0
 //! ```
 //!
-//! with s of [`angle_over_sine`], so that the edge's term γ n·c/|c| needs one
+//! with γ in turns and s of [`turn_over_sine`], so that the edge's term γ n·c/|c| needs one
 //! division and, where γ ≤ 90°, no root but those of the vertices' lengths.
 //!
 //! An edge that the horizon cuts keeps the part f of itself above it, and f c
@@ -24,22 +24,22 @@
 //! (b − a)·(m×n), m being the emitter's normal (take a as the line's point
 //! nearest to the receiver: m·a < 0 and n·(a×(m×n)) = −m·a).
 
+mod tracked;
+
 use super::Outline;
-use crate::clip::{self, Corner, Edges};
+use super::tally::Tally;
+use crate::clip::{self, Edges};
 use crate::geometry::{Receiver, Vector};
-use crate::number::{Floating, Number, Root, angle_over_sine};
+use crate::number::{Floating, Number, Root, turn_over_sine};
 use core::marker::PhantomData;
+use tracked::{Tracked, View};
 
 /// Squared sine below which an edge past 90° is summed with care: beyond 165°,
 /// rounding c would cost more than 2.5e-7.
 const WIDE: f64 = 1.0 / 16.0;
 
-/// What a loop is summed against.
-#[derive(Clone, Copy)]
-struct View<'a, N> {
-    receiver: &'a Receiver<N>,
-    facing: Vector<N>,
-}
+/// Half a turn, exactly: π would be rounded.
+const HALF: f64 = 0.5;
 
 /// A vertex relative to the receiver.
 #[derive(Clone, Copy)]
@@ -75,117 +75,18 @@ impl<N: Floating, R: Root<N> + Copy> Vertex<N, R> {
     }
 }
 
-/// A vertex of a loop that is summed with care.
-#[derive(Clone, Copy)]
-struct Tracked<'a, N, R> {
-    vertex: Vertex<N, R>,
-    /// 1; of a crossing, the part of its edge that is above the horizon.
-    part: N,
-    /// The vertex itself, in metres; of a crossing, one end of its edge.
-    source: &'a [N; 3],
-    view: &'a View<'a, N>,
-}
-
-impl<'a, N: Floating, R: Root<N> + Copy> Tracked<'a, N, R> {
-    #[inline(always)]
-    fn new(source: &'a [N; 3], view: &'a View<'a, N>) -> Self {
-        Self {
-            vertex: Vertex::new(source, view.receiver),
-            part: N::ONE,
-            source,
-            view,
-        }
-    }
-
-    /// A crossing of the horizon.
-    #[inline(always)]
-    fn crossing(&self, position: Vector<N>, part: N) -> Self {
-        Self {
-            vertex: Vertex::at(position, N::ZERO),
-            part,
-            ..*self
-        }
-    }
-
-    /// a×b, and whether the edge between them is seen under nearly 180°: then
-    /// the receiver is close to it, and a×b is a small difference of large
-    /// products.
-    #[inline(always)]
-    fn cross(&self, other: &Self) -> (Vector<N>, bool) {
-        let (a, b) = (&self.vertex, &other.vertex);
-        let c = a.position.cross(b.position);
-        let r = a.norm * b.norm;
-        let obtuse = a.position.dot(b.position) < N::ZERO;
-        (c, obtuse && c.norm_squared() < N::of(WIDE) * (r * r))
-    }
-
-    /// a×b also where it is small: the products exact, and what rounding took
-    /// from V − P put back to first order.
-    #[inline(never)]
-    fn accurate_cross(&self, other: &Self) -> Vector<N> {
-        let place = self.view.receiver.position();
-        let rest = |tracked: &Self| Vector::from(*tracked.source).rest_of_difference(place);
-        let (a, b) = (self.vertex.position, other.vertex.position);
-        a.accurate_cross(b) + (rest(self).cross(b) + a.cross(rest(other)))
-    }
-
-    /// Where an edge seen under nearly 180° crosses the horizon: along
-    /// (a×b)×n, a being the end above it. Along the edge the place is known to
-    /// u L only, which may be many times the distance to it.
-    ///
-    /// `None` where the edge's plane is within 0.06° of the horizon: then that
-    /// direction is the worse one, and the cap takes back what either is off by.
-    #[cold]
-    #[inline(never)]
-    fn wide_crossing(&self, other: &Self) -> Option<Self> {
-        let (inner, outer) = if self.vertex.height >= N::ZERO {
-            (self, other)
-        } else {
-            (other, self)
-        };
-        let scale = N::ONE / (inner.vertex.norm * outer.vertex.norm);
-        let c = inner.accurate_cross(outer) * scale;
-        let along = c.cross(self.view.receiver.normal());
-        let steep = along.norm_squared() > N::of(1.0 / 1_048_576.0) * c.norm_squared();
-        steep.then(|| self.crossing(along, N::ONE))
-    }
-}
-
-impl<N: Floating, R: Root<N> + Copy> Corner<N> for Tracked<'_, N, R> {
-    #[inline(always)]
-    fn height(&self) -> N {
-        self.vertex.height
-    }
-
-    #[inline(always)]
-    fn farness(&self) -> N {
-        self.vertex.norm
-    }
-
-    #[inline(always)]
-    fn toward(&self, other: &Self, t: N) -> Self {
-        let (_, wide) = self.cross(other);
-        if wide && let Some(crossing) = self.wide_crossing(other) {
-            return crossing;
-        }
-        let (a, b) = (self.vertex.position, other.vertex.position);
-        let inside = self.vertex.height >= N::ZERO;
-        self.crossing(a + (b - a) * t, if inside { t } else { N::ONE - t })
-    }
-}
-
 /// How a loop is summed.
 struct Snell<const DEGREE: usize>;
 
-/// The angle between two vectors over its sine times their lengths; past 90°,
+/// The angle between two vectors, in turns, over its sine times their lengths; past 90°,
 /// that of the supplement. `twice` = 2|a||b|, `d` = |a·b|.
 #[inline(always)]
 fn per_sine<const DEGREE: usize, N: Number>(twice: N, d: N) -> N {
     let inverse = N::ONE / (twice + d);
-    angle_over_sine::<DEGREE, N>(d * inverse) * inverse
+    turn_over_sine::<DEGREE, N>(d * inverse) * inverse
 }
 
-/// γ of two vertices, from |a×b|.
+/// γ of two vertices in turns, from |a×b|.
 #[inline]
 fn angle<const DEGREE: usize, N: Floating, R>(a: &Vertex<N, R>, b: &Vertex<N, R>, sine: N) -> N {
     let (d, r) = (a.position.dot(b.position), a.norm * b.norm);
@@ -193,7 +94,11 @@ fn angle<const DEGREE: usize, N: Floating, R>(a: &Vertex<N, R>, b: &Vertex<N, R>
         return N::ZERO; // the receiver is one of them
     }
     let acute = per_sine::<DEGREE, N>(r + r, d.abs()) * sine;
-    if d < N::ZERO { N::PI - acute } else { acute }
+    if d < N::ZERO {
+        N::of(HALF) - acute
+    } else {
+        acute
+    }
 }
 
 /// γ n·c/|c| of an edge above the horizon, or `None` where it is seen under
@@ -215,7 +120,7 @@ fn plain_term<const DEGREE: usize, N: Floating, R: Root<N>>(
     if squared < N::of(WIDE / 4.0) * (twice * twice) {
         return None;
     }
-    Some((N::PI / R::sqrt(squared) - per_sine::<DEGREE, N>(twice, -d)) * along)
+    Some((N::of(HALF) / R::sqrt(squared) - per_sine::<DEGREE, N>(twice, -d)) * along)
 }
 
 /// γ n·c/|c| of the part from a to b of an edge, c being the whole edge's cross
@@ -237,7 +142,7 @@ fn term<const DEGREE: usize, N: Floating, R: Root<N>>(
     if d >= N::ZERO {
         acute * along
     } else {
-        (N::PI / R::sqrt(c.norm_squared()) - acute) * along
+        (N::of(HALF) / R::sqrt(c.norm_squared()) - acute) * along
     }
 }
 
@@ -264,33 +169,50 @@ fn wide_term<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
 impl<'a, const DEGREE: usize, N: Floating, R: Root<N> + Copy> Edges<N, Tracked<'a, N, R>>
     for Snell<DEGREE>
 {
-    type Sum = N;
+    type Sum = Tally<DEGREE, N>;
 
     #[inline(always)]
-    fn whole(&self, sum: N, from: Tracked<'a, N, R>, to: Tracked<'a, N, R>) -> N {
+    fn whole(
+        &self,
+        sum: Tally<DEGREE, N>,
+        from: Tracked<'a, N, R>,
+        to: Tracked<'a, N, R>,
+    ) -> Tally<DEGREE, N> {
         let normal = from.view.receiver.normal();
-        sum + match plain_term::<DEGREE, N, R>(normal, from.vertex.from(), &to.vertex) {
-            Some(term) => term,
-            None => wide_term::<DEGREE, N, R>([&from, &to], [&from, &to]),
-        }
+        sum.plus(
+            match plain_term::<DEGREE, N, R>(normal, from.vertex.from(), &to.vertex) {
+                Some(term) => term,
+                None => wide_term::<DEGREE, N, R>([&from, &to], [&from, &to]),
+            },
+        )
     }
 
     /// γ n·c/|c| with γ of the part and c of the whole edge: close to an edge,
     /// rounding a crossing would turn the plane it spans with the receiver.
     #[inline(always)]
-    fn cut(&self, sum: N, [a, b]: [Tracked<'a, N, R>; 2], [from, to]: [Tracked<'a, N, R>; 2]) -> N {
+    fn cut(
+        &self,
+        sum: Tally<DEGREE, N>,
+        [a, b]: [Tracked<'a, N, R>; 2],
+        [from, to]: [Tracked<'a, N, R>; 2],
+    ) -> Tally<DEGREE, N> {
         let (c, wide) = from.cross(&to);
-        sum + if wide {
+        sum.plus(if wide {
             wide_term::<DEGREE, N, R>([&a, &b], [&from, &to])
         } else {
             // At most one of them is a crossing.
             term::<DEGREE, N, R>([&a, &b], c, a.part * b.part)
-        }
+        })
     }
 
     /// ±γ.
     #[inline(never)]
-    fn cap(&self, sum: N, from: Tracked<'a, N, R>, to: Tracked<'a, N, R>) -> N {
+    fn cap(
+        &self,
+        sum: Tally<DEGREE, N>,
+        from: Tracked<'a, N, R>,
+        to: Tracked<'a, N, R>,
+    ) -> Tally<DEGREE, N> {
         let View { receiver, facing } = *from.view;
         let (normal, a, b) = (receiver.normal(), &from.vertex, &to.vertex);
         let mut sign = normal.dot(a.position.cross(b.position));
@@ -300,11 +222,7 @@ impl<'a, const DEGREE: usize, N: Floating, R: Root<N> + Copy> Edges<N, Tracked<'
         if obtuse && sine < N::of(1.0 / 256.0) * (a.norm * b.norm) {
             sign = facing.cross(normal).dot(b.position - a.position);
         }
-        if sign < N::ZERO {
-            sum - angle
-        } else {
-            sum + angle
-        }
+        sum.plus(if sign < N::ZERO { -angle } else { angle })
     }
 }
 
@@ -322,13 +240,13 @@ fn sum<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
     };
     let normal = receiver.normal();
     let first = Vertex::<N, R>::new(first, receiver);
-    let (mut sum, mut from, mut ahead) = (N::ZERO, first.from(), others.iter());
+    let (mut sum, mut from, mut ahead) = (Tally::<DEGREE, N>::ZERO, first.from(), others.iter());
     let mut left = others.len();
     if first.height >= N::ZERO {
         left = loop {
             let Some(next) = ahead.next() else {
                 match plain_term::<DEGREE, N, R>(normal, from, &first) {
-                    Some(term) => return sum + term,
+                    Some(term) => return sum.total(term),
                     None => break 0,
                 }
             };
@@ -341,29 +259,30 @@ fn sum<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
             let Some(term) = term else {
                 break ahead.len().wrapping_add(1);
             };
-            (sum, from) = (sum + term, to.from());
+            (sum, from) = (sum.plus(term), to.from());
         };
     }
-    let view = View { receiver, facing };
-    rest::<DEGREE, N, R>(&view, vertices, left, sum)
+    rest::<DEGREE, N, R>(receiver, facing, vertices, left, sum)
 }
 
 /// The sum of a loop from the vertex on behind which `left` others are to come.
 #[cold]
 #[inline(never)]
-fn rest<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
-    view: &View<'_, N>,
+pub(super) fn rest<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
+    receiver: &Receiver<N>,
+    facing: Vector<N>,
     vertices: &[[N; 3]],
     left: usize,
-    sum: N,
+    sum: Tally<DEGREE, N>,
 ) -> N {
     let (done, ahead) = vertices
         .split_at_checked(vertices.len().wrapping_sub(left))
         .unwrap_or_default();
     let (Some(first), Some(from)) = (done.first(), done.last()) else {
-        return sum;
+        return sum.sum();
     };
-    let tracked = |vertex| Tracked::<N, R>::new(vertex, view);
+    let view = View { receiver, facing };
+    let tracked = |vertex| Tracked::<N, R>::new(vertex, &view);
     let (first, from) = (tracked(first), tracked(from));
     clip::walk_on(
         first,
@@ -372,9 +291,11 @@ fn rest<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
         &Snell::<DEGREE>,
         sum,
     )
+    .sum()
 }
 
-/// Σ γ_i n·unit(v_i × v_{i+1}) over the part of the loop above the horizon.
+/// Σ γ_i n·unit(v_i × v_{i+1}) in turns over the part of the loop above the
+/// horizon.
 #[inline]
 pub(super) fn contour<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
     receiver: &Receiver<N>,
@@ -415,11 +336,11 @@ pub(super) fn closed<const DEGREE: usize, N: Floating, R: Root<N> + Copy>(
             snell.whole(sum, from, to)
         }
     };
-    let (mut sum, mut from, mut index) = (N::ZERO, first, 0_usize);
+    let (mut sum, mut from, mut index) = (Tally::ZERO, first, 0_usize);
     for to in vertices {
         sum = add(sum, index, from, to);
         from = to;
         index = index.wrapping_add(1);
     }
-    add(sum, index, from, first)
+    add(sum, index, from, first).sum()
 }

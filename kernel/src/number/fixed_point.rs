@@ -208,7 +208,7 @@ const fn quarters<const COUNT: usize>(coefficients: &[f64; COUNT]) -> [u32; COUN
 }
 
 /// s(x)/4 from 2x, 0 ≤ x ≤ 1/3, both in units of 2^−32: the function of
-/// [`super::angle_over_sine`] as fractions, by its fits of degree 4 or 6; other
+/// [`super::turn_over_sine`], in radians, as fractions, by its fits of degree 4 or 6; other
 /// degrees do not compile.
 ///
 /// The coefficients alternate in sign and fall, so Horner's partial sums do
@@ -387,7 +387,7 @@ mod tests {
         let largest = u32::MAX / 3 * 2;
         for twice in (0..=largest).step_by(65_521).chain([1, largest]) {
             let x = f64::from(twice) / WORD / 2.0;
-            let exact = crate::number::angle_over_sine::<8, f64>(x) / 4.0;
+            let exact = crate::number::turn_over_sine::<8, f64>(x) * core::f64::consts::FRAC_PI_2;
             let of = |word: u32| (f64::from(word) / WORD / exact - 1.0).abs();
             worst_4 = worst_4.max(of(quarter_angle_over_sine::<4>(twice)));
             worst_6 = worst_6.max(of(quarter_angle_over_sine::<6>(twice)));

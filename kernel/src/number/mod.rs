@@ -13,7 +13,7 @@ mod arctangent;
 #[cfg_attr(docsrs, doc(cfg(feature = "fixed")))]
 pub mod fixed_point;
 
-pub use arctangent::{angle_over_sine, residual_arctangent};
+pub use arctangent::{residual_arctangent, turn_over_sine};
 
 use core::fmt::Debug;
 use core::ops::{Add, Div, Mul, Neg, Sub};

@@ -4,7 +4,7 @@
 
 use crate::cost_cases::Case;
 use isolux::geometry::{Receiver, Vector};
-use isolux::number::{Root, angle_over_sine};
+use isolux::number::{Root, turn_over_sine};
 
 /// An emitter relative to a receiver.
 pub(crate) fn seen(case: &Case, receiver: &Receiver<f32>, vertices: usize) -> [[f32; 3]; 8] {
@@ -12,7 +12,7 @@ pub(crate) fn seen(case: &Case, receiver: &Receiver<f32>, vertices: usize) -> [[
     case.emitter(vertices).map(relative)
 }
 
-/// Σ γ n·unit(a × b) over the edges of a loop of which none is seen under more
+/// Σ γ n·unit(a × b), γ in turns, over the edges of a loop of which none is seen under more
 /// than 90°; 0 where one is. Operation for operation what the kernel does.
 #[inline(always)]
 pub(crate) fn ready<R: Root<f32>>(normal: Vector<f32>, vertices: &[[f32; 3]]) -> f32 {
@@ -23,7 +23,7 @@ pub(crate) fn ready<R: Root<f32>>(normal: Vector<f32>, vertices: &[[f32; 3]]) ->
     let term = |(a, twice): (Vector<f32>, f32), b: Vector<f32>, norm: f32| {
         let (c, d) = (a.cross(b), a.dot(b));
         let inverse = 1.0 / (twice * norm + d);
-        let per_sine = angle_over_sine::<4, f32>(d * inverse) * inverse;
+        let per_sine = turn_over_sine::<4, f32>(d * inverse) * inverse;
         (d >= 0.0).then_some(per_sine * normal.dot(c))
     };
     let first = Vector::from(*first);

@@ -165,8 +165,8 @@ mod entries {
         fn isolux_entry_clip(places: &[Place<f32>], out: &mut Corners<f32, 8>) -> Result<(), Error> {
             clip::polygon(places.iter().copied(), out)
         }
-        fn isolux_entry_angle_over_sine(z: f32) -> f32 {
-            number::angle_over_sine::<6, f32>(z)
+        fn isolux_entry_turn_over_sine(z: f32) -> f32 {
+            number::turn_over_sine::<6, f32>(z)
         }
         fn isolux_entry_residual_arctangent(w: f32) -> f32 {
             number::residual_arctangent(w)

@@ -8,7 +8,7 @@
 //! d < 0   (π/2 − |a×b| s(x)/2t) n·(a×b)/|a×b|,  t = 2 − d, x = −d/t
 //! ```
 //!
-//! with s of [`angle_over_sine`](crate::number::angle_over_sine). The first needs one division and no root. The second, for edges seen under
+//! with s of [`turn_over_sine`](crate::number::turn_over_sine) in radians. The first needs one division and no root. The second, for edges seen under
 //! more than 90°, takes the supplement's angle and the direction of a×b, which
 //! is normalised from its full 64 bits.
 //!
@@ -17,28 +17,38 @@
 //! which endpoint the crossing is computed, nor how far away either is.
 
 use super::direction::{coarse, difference, dot, product, unit};
-use super::{Coordinate, Format, Plane, Receiver};
-use crate::clip::{self, Corner, Edges};
+use super::{Coordinate, Format, Plane, Receiver, wide};
+use crate::clip::Corner;
 use crate::geometry::Vector;
 use crate::number::fixed_point::{quarter_angle_over_sine, reciprocal, upper};
 
 /// The direction of a vertex, and its sine over the horizon.
 #[derive(Clone, Copy)]
-struct Vertex<F> {
-    direction: Vector<F>,
-    height: F,
+pub(super) struct Vertex<F> {
+    pub(super) direction: Vector<F>,
+    pub(super) height: F,
 }
 
 impl<F: Format> Vertex<F> {
     /// A place seen from the receiver.
     #[inline(always)]
-    fn new<C: Coordinate>(receiver: &Receiver<F>, place: &[C; 3]) -> Self {
+    pub(super) fn new<C: Coordinate>(receiver: &Receiver<F>, place: &[C; 3]) -> Self {
         let to = difference(place.map(Into::into), receiver.position);
         let direction = unit(to.map(|along| along.wrapping_shl(room::<C>())));
         let height = dot(words(receiver.normal), words(direction));
         Self {
             direction,
             height: F::from_bits(narrow::<F>(height)),
+        }
+    }
+}
+
+impl<F: Format> Vertex<F> {
+    /// A crossing.
+    pub(super) fn on_horizon(direction: Vector<F>) -> Self {
+        Self {
+            direction,
+            height: F::ZERO,
         }
     }
 }
@@ -76,19 +86,19 @@ impl<F: Format> Corner<F> for Vertex<F> {
 
 /// A vector's words.
 #[inline(always)]
-fn words<F: Format>(vector: Vector<F>) -> [i32; 3] {
+pub(super) fn words<F: Format>(vector: Vector<F>) -> [i32; 3] {
     [vector.x, vector.y, vector.z].map(Format::to_bits)
 }
 
 /// Products of two words of `F`, back in `F`, rounded down.
 #[inline(always)]
-fn narrow<F: Format>(product: i64) -> i32 {
+pub(super) fn narrow<F: Format>(product: i64) -> i32 {
     (product.wrapping_shl(32 - F::FRACTION) >> 32) as i32
 }
 
 /// a×b in units of 2^(−2 `F::FRACTION`).
 #[inline(always)]
-fn cross(a: [i32; 3], b: [i32; 3]) -> [i64; 3] {
+pub(super) fn cross(a: [i32; 3], b: [i32; 3]) -> [i64; 3] {
     // Products are added up as they come, a difference would keep both.
     let minus = a.map(i32::wrapping_neg);
     [
@@ -129,7 +139,7 @@ fn half_per_sine<F: Format>(cosine: u32) -> u32 {
 /// Half the angle of which `sine`, in units of 2^−30, and `d` are sine and
 /// cosine, in `F`.
 #[inline(always)]
-fn half_angle<F: Format>(sine: u32, d: i64) -> i32 {
+pub(super) fn half_angle<F: Format>(sine: u32, d: i64) -> i32 {
     /// π/2 in units of 2^−30.
     const QUARTER_TURN: u32 = 1_686_629_713;
     let sine = if sine < ONE { sine } else { ONE };
@@ -143,53 +153,72 @@ fn half_angle<F: Format>(sine: u32, d: i64) -> i32 {
 }
 
 /// What the edges are summed against.
-struct Snell<'a, F> {
-    normal: Vector<F>,
+pub(super) struct Snell<'a, F> {
+    pub(super) normal: Vector<F>,
     plane: &'a Plane,
 }
 
-impl<F: Format> Snell<'_, F> {
-    /// γ/2 n·(a×b)/|a×b| in units of 2^(−2 `F::FRACTION`).
+impl<'a, F: Format> Snell<'a, F> {
+    pub(super) fn new(receiver: &Receiver<F>, plane: &'a Plane) -> Self {
+        Self {
+            normal: receiver.normal,
+            plane,
+        }
+    }
+
+    /// γ/2 n·(a×b)/|a×b| in units of 2^(−2 `F::FRACTION`); `None` where the edge is
+    /// seen under nearly 180°.
     #[inline(always)]
-    fn edge(&self, a: Vertex<F>, b: Vertex<F>) -> i64 {
+    fn edge(&self, a: Vertex<F>, b: Vertex<F>) -> Option<i64> {
         let (from, to) = (words(a.direction), words(b.direction));
         let d = dot(from, to);
         if d < 0 {
             let ([ax, ay, az], [bx, by, bz]) = (from, to);
-            return self.beyond_a_right_angle(ax, ay, az, bx, by, bz);
+            return self.unless_wide(ax, ay, az, bx, by, bz);
         }
+        Some(self.acute(from, to, d))
+    }
+
+    /// The same of any edge, or part of one.
+    #[inline(never)]
+    pub(super) fn any_edge(&self, a: Vertex<F>, b: Vertex<F>) -> i64 {
+        let (from, to) = (words(a.direction), words(b.direction));
+        let d = dot(from, to);
+        if d < 0 {
+            self.beyond_a_right_angle(from, to)
+        } else {
+            self.acute(from, to, d)
+        }
+    }
+
+    /// The same where the edge is seen under at most 90°.
+    #[inline(always)]
+    fn acute(&self, from: [i32; 3], to: [i32; 3], d: i64) -> i64 {
         let sine = dot(words(self.normal), cross(from, to).map(narrow::<F>));
         let per_sine = half_per_sine::<F>(cosine::<F>(d)) >> (31 - F::FRACTION);
         product(narrow::<F>(sine), per_sine as i32)
     }
 
-    /// The same where the edge is seen under more than 90°. The coordinates come
-    /// one by one so that the usual way need not put them in memory.
+    /// The same where it is seen under more than 90°. The coordinates come one by
+    /// one so that the usual way need not put them in memory.
     #[cold]
     #[inline(never)]
-    fn beyond_a_right_angle(&self, ax: i32, ay: i32, az: i32, bx: i32, by: i32, bz: i32) -> i64 {
+    fn unless_wide(&self, ax: i32, ay: i32, az: i32, bx: i32, by: i32, bz: i32) -> Option<i64> {
         let (a, b) = ([ax, ay, az], [bx, by, bz]);
+        if wide::is_wide::<F>(cross(a, b)) {
+            return None;
+        }
+        Some(self.beyond_a_right_angle(a, b))
+    }
+
+    /// The same where it is seen under more than 90°.
+    #[inline]
+    fn beyond_a_right_angle(&self, a: [i32; 3], b: [i32; 3]) -> i64 {
         let (d, c) = (dot(a, b), cross(a, b));
         let axis = words(unit::<F>(c));
         let sine = dot(axis, c.map(narrow::<F>)).unsigned_abs() >> (2 * F::FRACTION - 30);
         let along = narrow::<F>(dot(words(self.normal), axis));
         product(along, half_angle::<F>(sine as u32, d))
-    }
-}
-
-impl<F: Format> Edges<F, Vertex<F>> for Snell<'_, F> {
-    type Sum = i64;
-
-    /// In a function of its own: what is dear is the way through the loops that
-    /// are wholly above the horizon, [`contour`]'s.
-    #[inline(never)]
-    fn whole(&self, sum: i64, from: Vertex<F>, to: Vertex<F>) -> i64 {
-        sum.wrapping_add(self.edge(from, to))
-    }
-
-    #[inline(always)]
-    fn cut(&self, sum: i64, [from, to]: [Vertex<F>; 2], _: [Vertex<F>; 2]) -> i64 {
-        self.whole(sum, from, to)
     }
 
     /// ±γ/2. The sign is that of n·(a×b); where the cap is seen under nearly
@@ -197,7 +226,7 @@ impl<F: Format> Edges<F, Vertex<F>> for Snell<'_, F> {
     /// normal of the emitter's plane: along the line in which that plane meets
     /// the horizon, directions are in the same order as places.
     #[inline(never)]
-    fn cap(&self, sum: i64, from: Vertex<F>, to: Vertex<F>) -> i64 {
+    pub(super) fn along_horizon(&self, sum: i64, from: Vertex<F>, to: Vertex<F>) -> i64 {
         let normal = words(self.normal);
         let (a, b) = (words(from.direction), words(to.direction));
         let d = dot(a, b);
@@ -229,8 +258,8 @@ const fn room<C>() -> u32 {
 /// Half of Σ γ_i n·unit(v_i × v_{i+1}) over the part of the loop above the
 /// horizon, in units of 2^(−2 `F::FRACTION`).
 ///
-/// As long as the loop is above it, nothing is called; from the first vertex
-/// below, the rest is walked with clips.
+/// As long as the loop is above it and has no edge towards 180°, nothing is called;
+/// from the first vertex or edge that is otherwise, the rest is summed with care.
 pub(super) fn contour<F: Format, C: Coordinate>(
     receiver: &Receiver<F>,
     plane: &Plane,
@@ -239,37 +268,29 @@ pub(super) fn contour<F: Format, C: Coordinate>(
     let Some((first, others)) = outline.split_first() else {
         return 0;
     };
-    let edges = Snell {
-        normal: receiver.normal,
-        plane,
-    };
+    let edges = Snell::new(receiver, plane);
     let first = Vertex::new(receiver, first);
-    let (mut sum, mut from, mut ahead) = (0, first, others);
+    let (mut sum, mut from, mut ahead) = (0_i64, first, others.iter());
+    let mut left = others.len();
     if first.height >= F::ZERO {
-        while let Some((next, behind)) = ahead.split_first() {
+        left = loop {
+            let Some(next) = ahead.next() else {
+                match edges.edge(from, first) {
+                    Some(term) => return sum.wrapping_add(term),
+                    None => break 0,
+                }
+            };
             let to = Vertex::new(receiver, next);
-            if to.height < F::ZERO {
-                return rest(receiver, &edges, [first, from], ahead, sum);
-            }
-            sum = sum.wrapping_add(edges.edge(from, to));
-            (from, ahead) = (to, behind);
-        }
-        return edges.whole(sum, from, first);
+            let term = if to.height < F::ZERO {
+                None
+            } else {
+                edges.edge(from, to)
+            };
+            let Some(term) = term else {
+                break ahead.len().wrapping_add(1);
+            };
+            (sum, from) = (sum.wrapping_add(term), to);
+        };
     }
-    rest(receiver, &edges, [first, from], ahead, sum)
-}
-
-/// The sum of a loop that began at `first` and has come to `from` above the
-/// horizon; the vertices `ahead` are those behind `from`.
-#[cold]
-#[inline(never)]
-fn rest<F: Format, C: Coordinate>(
-    receiver: &Receiver<F>,
-    edges: &Snell<'_, F>,
-    [first, from]: [Vertex<F>; 2],
-    ahead: &[[C; 3]],
-    sum: i64,
-) -> i64 {
-    let ahead = ahead.iter().map(|place| Vertex::new(receiver, place));
-    clip::walk_on(first, from, ahead, edges, sum)
+    wide::rest(receiver, &edges, outline, [first, from], left, sum)
 }
