@@ -3,10 +3,20 @@
 
 #[path = "fields/accuracy.rs"]
 mod accuracy;
+#[path = "shadow/any_room.rs"]
+mod any_room;
 #[path = "fields/changed.rs"]
 mod changed;
+#[path = "fields/generated.rs"]
+mod generated;
+#[path = "visibility/lit.rs"]
+#[allow(dead_code, reason = "the tests of visibility use the rest")]
+mod lit;
 #[path = "fields/meshes.rs"]
 mod meshes;
+#[path = "visibility/random.rs"]
+#[allow(dead_code, reason = "the tests of visibility use the rest")]
+mod random;
 
 use glam::DVec3;
 use isolux_host::bake::{self, Tables};
@@ -14,7 +24,7 @@ use isolux_host::occlusion::Occlusion;
 use isolux_host::pilot;
 use isolux_host::plan::{self, Plan};
 use isolux_host::reference::{Reference, Reflections};
-use isolux_host::scene::{Scene, file, shipped};
+use isolux_host::scene::{Scene, Surface, file, shipped};
 use isolux_host::solve::Sight;
 
 /// A shipped scene.
@@ -55,4 +65,13 @@ fn room(scene: &Scene) -> (Plan, Tables) {
     .expect("a plan");
     let tables = bake::bake(scene, &plan, Some(occlusion)).expect("tables");
     (plan, tables)
+}
+
+/// A polygon through these corners.
+fn polygon(name: &str, corners: &[[f64; 3]], radiance: f64) -> Surface {
+    let corners = corners.iter().map(|&corner| DVec3::from(corner)).collect();
+    Surface {
+        name: name.to_owned(),
+        ..lit::surface(corners, radiance)
+    }
 }

@@ -1,6 +1,8 @@
 //! Shadow outlines and the meshes that follow them: known outlines, brute
 //! force, laws, generated rooms.
 
+#[path = "shadow/any_room.rs"]
+mod any_room;
 #[path = "shadow/brute.rs"]
 mod brute;
 #[path = "shadow/generated.rs"]

@@ -1,0 +1,138 @@
+//! Rooms that no one has looked at: they are planned within their budget, or clearly
+//! refused, and what comes of the plan is light.
+
+use crate::any_room;
+use crate::random::Random;
+use glam::DVec3;
+use isolux::shoot::Stop;
+use isolux_host::bake;
+use isolux_host::occlusion::Occlusion;
+use isolux_host::pilot::{self, Manner};
+use isolux_host::plan::Plan;
+use isolux_host::reference::{Reference, Reflections};
+use isolux_host::scene::Scene;
+use isolux_host::scene::frame::Frame;
+use isolux_host::solve::{self, Rung, Sight, Solution};
+
+/// Rooms, unless `ISOLUX_ROOMS` says how many.
+const ROOMS: u64 = 10;
+
+/// Places of a surface at which its light is judged.
+const PLACES: usize = 100;
+
+/// Light below this part of a surface's brightest place counts as that much.
+const DARK: f64 = 1e-3;
+
+/// What became of rooms.
+#[derive(Debug, Default)]
+struct Outcome {
+    refused: usize,
+    surfaces: usize,
+    /// Surfaces whose error is within what was predicted.
+    within: usize,
+    errors: Vec<f64>,
+}
+
+#[test]
+fn any_room_is_planned_or_refused() {
+    let rooms = std::env::var("ISOLUX_ROOMS").ok();
+    let rooms = rooms.and_then(|count| count.parse().ok()).unwrap_or(ROOMS);
+    let mut outcome = Outcome::default();
+    for seed in 0..rooms {
+        one(seed, &mut outcome);
+    }
+    outcome.errors.sort_by(f64::total_cmp);
+    let part = |part: f64| {
+        outcome
+            .errors
+            .get((part * outcome.errors.len() as f64) as usize)
+    };
+    println!(
+        "{rooms} rooms, {} refused; {} of {} surfaces within twice the prediction; rms of a surface, median {:?}, of 95 % below {:?}",
+        outcome.refused,
+        outcome.within,
+        outcome.surfaces,
+        part(0.5),
+        part(0.95),
+    );
+    assert!(outcome.refused as u64 * 4 <= rooms, "{outcome:?}");
+}
+
+fn one(seed: u64, outcome: &mut Outcome) {
+    let mut scene = any_room::room(seed);
+    let samples = 250 + 50 * (seed % 10);
+    scene.budget.samples = Some(samples);
+    let vertices = scene.surfaces.iter().flat_map(|s| s.vertices.clone());
+    let occlusion = Occlusion::for_receivers_within(&scene, vertices).expect("occluders");
+    let judge = Reference::new(&scene, Reflections::AtMost(0), &mut |_| {}).expect("a reference");
+    let field = |places: &[(DVec3, DVec3)]| judge.irradiance_at(places);
+    let looking = (Some(&occlusion), Sight::Exact);
+    let plan = match pilot::room(&scene, &scene.budget, looking, Manner::default(), &field) {
+        Ok(plan) => plan,
+        Err(error) => {
+            println!("seed {seed}: {error}");
+            assert!(!error.to_string().is_empty());
+            outcome.refused += 1;
+            return;
+        }
+    };
+    assert!(plan.samples() as u64 <= samples, "seed {seed}");
+    let tables = bake::bake(&scene, &plan, Some(occlusion)).expect("tables");
+    let stop = Stop::below(1e-3);
+    let light = solve::solve(&tables, Rung::default(), Sight::Exact, stop).expect("light");
+    judged(seed, &scene, &plan, &light, outcome);
+}
+
+/// Compares what is reconstructed with what the kernel finds at the same places.
+fn judged(seed: u64, scene: &Scene, plan: &Plan, light: &Solution<'_>, outcome: &mut Outcome) {
+    let mut random = Random(seed + 1000);
+    for (index, surface) in scene.surfaces.iter().enumerate() {
+        let planned = &plan.surfaces[index];
+        if planned.fields.is_empty() {
+            continue;
+        }
+        let frame = Frame::new(surface);
+        let mut places: Vec<[f32; 2]> = Vec::new();
+        for _ in 0..20 * PLACES {
+            let (u, v) = (random.unit() * frame.size_u, random.unit() * frame.size_v);
+            if places.len() < PLACES && frame.contains(u, v) {
+                places.push([u as f32, v as f32]);
+            }
+        }
+        let receivers: Vec<([f32; 3], [f32; 3])> = places
+            .iter()
+            .map(|&[u, v]| {
+                let place = frame.to_world(f64::from(u), f64::from(v));
+                (
+                    place.as_vec3().to_array(),
+                    frame.normal.as_vec3().to_array(),
+                )
+            })
+            .collect();
+        let truth: Vec<f64> = (light.at(&receivers).expect("places").iter())
+            .map(|at| f64::from(at.value[0]))
+            .collect();
+        let brightest = truth.iter().copied().fold(0.0, f64::max);
+        if brightest <= 0.0 {
+            continue;
+        }
+        let mut sum = 0.0;
+        for (&place, truth) in places.iter().zip(&truth) {
+            let value = light.resampled(index, place).expect("a place of it");
+            let value = f64::from(value.expect("it has fields")[0]);
+            assert!(
+                value.is_finite() && (0.0..=4.0 * brightest).contains(&value),
+                "seed {seed}, {} at {place:?}: {value} of {truth}",
+                surface.name
+            );
+            let error = (value - truth) / truth.max(DARK * brightest);
+            sum += error.abs().min(1.0).powi(2);
+        }
+        let error = (sum / places.len() as f64).sqrt();
+        let squares = planned.predicted.iter().map(|p| p.rms * p.rms * p.area);
+        let predicted = (squares.sum::<f64>() / surface.area).sqrt();
+        outcome.surfaces += 1;
+        outcome.within += usize::from(error <= 2.0 * predicted);
+        outcome.errors.push(error);
+    }
+}
