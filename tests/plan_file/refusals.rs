@@ -95,13 +95,13 @@ fn every_number_name_and_index_is_checked() {
         ("half = ", "half = [0.0, 4.0]", "nothing like half"),
         (
             "first = 0",
-            "first = 63",
+            "first = 81",
             "beyond the samples of this surface",
         ),
         ("first = 0", "first = 40", "the grid needs 25 samples"),
         ("first = 25", "first = -1", "no number of samples"),
         (
-            "samples = 38",
+            "samples = 56",
             "samples = 39",
             "the mesh needs 39 samples from sample 25 on",
         ),
@@ -130,8 +130,8 @@ fn records_of_emitters_and_meshes_are_checked() {
     let cases = [
         (
             "members = [",
-            "  [63, 1.0, 0.0, 0.0],",
-            "63 is beyond the samples",
+            "  [81, 1.0, 0.0, 0.0],",
+            "81 is beyond the samples",
         ),
         (
             "members = [",
@@ -151,8 +151,8 @@ fn records_of_emitters_and_meshes_are_checked() {
         ),
         (
             "nodes = [",
-            "  [1.0, 1.0, 0.0, [38, 0.5]],",
-            "38 is beyond the samples of this mesh",
+            "  [1.0, 1.0, 0.0, [56, 0.5]],",
+            "56 is beyond the samples of this mesh",
         ),
         ("nodes = [", "  [1.0, 1.0, 0.0, [0, 4.5]],", "between -3.99"),
         ("nodes = [", "  [1.0, 1.0, inf],", "finite number"),
