@@ -3,8 +3,8 @@
 use super::choice::RungArguments;
 use super::failure::Failure;
 use super::pipeline::{self, Planned};
-use super::sheet::Sheet;
-use super::{PlanArgument, SceneArgument};
+use super::sheet::{self, Sheet};
+use super::{CurrentArgument, PlanArgument, SceneArgument};
 use crate::bake::{Described, Names, source};
 use crate::report::write_file;
 use clap::Args;
@@ -24,6 +24,8 @@ pub(super) struct Arguments {
     output: PathBuf,
     #[command(flatten)]
     plan: PlanArgument,
+    #[command(flatten)]
+    current: CurrentArgument,
     #[command(flatten)]
     rungs: RungArguments,
 }
@@ -47,7 +49,9 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     })?;
     let plan = arguments.plan.plan.as_deref();
     let planned = pipeline::plan_or_read(scene, &arguments.rungs, plan, &[])?;
-    let sheet = Sheet::of(&planned)?;
+    let operations = sheet::operations(&planned, pipeline::stop(None))?;
+    let current = arguments.current.microamperes;
+    let sheet = Sheet::of(&planned)?.with_cost(operations.as_ref(), current);
     let files = write(&planned, &sheet, directory, &module(&arguments.scene.scene))?;
     let mut out = std::io::stdout().lock();
     if json {

@@ -71,6 +71,15 @@ struct PlanArgument {
     plan: Option<PathBuf>,
 }
 
+/// What a part draws.
+#[derive(Clone, Copy, Debug, Default, Args)]
+struct CurrentArgument {
+    /// The current that the part draws for each megahertz of its clock, in µA: the sheet
+    /// then has the charge of a run.
+    #[arg(long = "microamperes-per-mhz", value_name = "µA")]
+    microamperes: Option<f64>,
+}
+
 /// How often light is reflected.
 #[derive(Debug, Args)]
 struct BouncesArgument {

@@ -7,6 +7,7 @@ use super::choice::RungArguments;
 use super::failure::Failure;
 use super::pipeline;
 use super::sheet::Sheet;
+use crate::device::{DEVICE_FLASH, DEVICE_RAM};
 use crate::plan::file;
 use crate::report::write_file;
 use crate::scene::Rungs;
@@ -22,8 +23,8 @@ use std::path::{Path, PathBuf};
 /// radiances or reflectances have changed since. Prints what it holds, costs and is
 /// predicted to err by.
 ///
-/// The samples, RAM and flash of the scene's budget are the most it takes; a flag goes
-/// before each. With --max-error it takes no more samples than that needs.
+/// The samples, RAM and flash of the scene's budget are the most it takes, and the memory
+/// of the device (memory.x) where that says nothing; a flag goes before each. With --max-error it takes no more samples than that needs.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -78,8 +79,8 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     let budget = scene.budget;
     let wishes = Wishes {
         samples: arguments.samples.or(budget.samples),
-        ram: arguments.ram.or(budget.ram),
-        flash: arguments.flash.or(budget.flash),
+        ram: arguments.ram.or(budget.ram).or(Some(DEVICE_RAM)),
+        flash: arguments.flash.or(budget.flash).or(Some(DEVICE_FLASH)),
         error: arguments.max_error,
     };
     let found = search::plan(&scene, &arguments.rungs, &wishes)?;

@@ -2,9 +2,15 @@
 
 use super::failure::Failure;
 use super::pipeline::Planned;
+use super::render::GRID;
+use crate::device::Core;
+use crate::device::model::{CYCLES, Model, Predicted, PredictedSteps};
+use crate::device::operations::{Done, Operations};
 use crate::plan::{SurfacePlan, Tag};
-use crate::report::percent;
+use crate::report::{percent, quantity};
+use crate::solve::{FormFactorRung, Rung, Sight};
 use isolux::budget;
+use isolux::shoot::Stop;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -28,7 +34,44 @@ pub(super) struct Sheet {
     /// In percent; `null` where the planner made no prediction.
     predicted_error: Option<f64>,
     surfaces: Vec<OfSurface>,
+    /// `null` for rungs that no costs were measured for.
+    cost: Option<Cost>,
 }
+
+/// What a run costs, predicted.
+#[derive(Clone, Serialize)]
+struct Cost {
+    core: &'static str,
+    instructions: PredictedSteps,
+    instructions_total: Predicted,
+    /// The largest error of the prediction in the runs that its costs were fitted to, in
+    /// percent.
+    error: Errors,
+    shots: u64,
+    /// Rows and columns of the grids of the step `resample`.
+    resolution: usize,
+    /// Estimated, from flash without wait states.
+    cycles: u64,
+    milliseconds: Vec<AtClock>,
+    /// Of the stated current for a megahertz.
+    microcoulombs: Option<f64>,
+}
+
+#[derive(Clone, Copy, Serialize)]
+struct Errors {
+    load: f64,
+    light: f64,
+    resample: f64,
+}
+
+#[derive(Clone, Copy, Serialize)]
+struct AtClock {
+    megahertz: f64,
+    milliseconds: f64,
+}
+
+/// Clocks that times are given for.
+const CLOCKS: [f64; 3] = [16.0, 64.0, 168.0];
 
 #[derive(Clone, Serialize)]
 struct RungNames {
@@ -111,7 +154,54 @@ impl Sheet {
             table_bytes: planned.tables.bytes().len() as u64,
             predicted_error: error.map(|error| 100.0 * error),
             surfaces: looked_at.map(of_surface).collect(),
+            cost: None,
         })
+    }
+
+    /// The sheet with what a run will cost, where the costs of its rung are known; of the
+    /// charge where a current in µA for a megahertz is given.
+    pub(super) fn with_cost(
+        mut self,
+        operations: Option<&Operations>,
+        microamperes: Option<f64>,
+    ) -> Self {
+        let Some(operations) = operations else {
+            return self;
+        };
+        let model = Model::committed();
+        if !model.knows(operations) {
+            return self;
+        }
+        let error = |step, done| 100.0 * model.error(step, &operations.kind, done).unwrap_or(0.0);
+        let instructions = model.steps(operations);
+        let total = instructions.total();
+        let cycles = total.expected as f64 * CYCLES;
+        let at_clock = |megahertz: f64| AtClock {
+            megahertz,
+            milliseconds: cycles / (1e3 * megahertz),
+        };
+        let shots = |done: &Done| done.get("shot").copied().unwrap_or(0);
+        self.cost = Some(Cost {
+            core: Core::CortexM4F.name(),
+            instructions,
+            instructions_total: total,
+            error: Errors {
+                load: error("load", &operations.load),
+                light: error("direct", &operations.direct),
+                resample: error("resample", &operations.resample),
+            },
+            shots: shots(&operations.direct) + shots(&operations.shoot),
+            resolution: GRID,
+            cycles: cycles as u64,
+            milliseconds: CLOCKS.map(at_clock).to_vec(),
+            microcoulombs: microamperes.map(|current| cycles * current * 1e-6),
+        });
+        self
+    }
+
+    /// What was predicted of the steps.
+    pub(super) fn predicted(&self) -> Option<PredictedSteps> {
+        self.cost.as_ref().map(|cost| cost.instructions)
     }
 
     pub(super) fn in_words(&self) -> String {
@@ -166,6 +256,9 @@ impl Sheet {
                 surface.free_samples,
                 surface.emitters,
             );
+        }
+        if let Some(cost) = &self.cost {
+            text += &cost.in_words();
         }
         text
     }
@@ -225,8 +318,82 @@ impl Sheet {
                 parts.join(", ")
             );
         }
+        if let Some(cost) = &self.cost {
+            text += &cost.in_markdown();
+        }
         text
     }
+}
+
+impl Cost {
+    /// The steps with their names.
+    fn steps(&self) -> [(&'static str, Predicted, f64); 4] {
+        let steps = &self.instructions;
+        [
+            ("load", steps.load, self.error.load),
+            ("direct", steps.direct, self.error.light),
+            ("shoot", steps.shoot, self.error.light),
+            ("resample", steps.resample, self.error.resample),
+        ]
+    }
+
+    fn in_words(&self) -> String {
+        let steps = self
+            .steps()
+            .map(|(name, step, error)| format!("{name} {} ± {} %", step.expected, percent(error)));
+        let times = self.milliseconds.iter().map(|at| {
+            let (time, clock) = (quantity(at.milliseconds), at.megahertz);
+            format!("{time} ms at {clock} MHz")
+        });
+        let times: Vec<String> = times.collect();
+        let charge = self
+            .microcoulombs
+            .map_or(String::new(), |charge| format!("; {} µC", quantity(charge)));
+        format!(
+            "  predicted instructions on {}: {}\n  in all {} in {} shots, about {}{charge}\n",
+            self.core,
+            steps.join(", "),
+            self.instructions_total.expected,
+            self.shots,
+            times.join(", "),
+        )
+    }
+
+    fn in_markdown(&self) -> String {
+        let mut text = format!(
+            "\nPredicted instructions on a {} with `best`, linked for speed; `shoot` is {} shots \
+             with those of direct light, `resample` grids of {} × {} of every surface.\n\n\
+             | step | instructions | at most |\n| --- | ---: | ---: |\n",
+            self.core, self.shots, self.resolution, self.resolution
+        );
+        let all = ("in all", self.instructions_total, 0.0);
+        for (name, step, _) in self.steps().into_iter().chain([all]) {
+            text += &format!("| {name} | {} | {} |\n", step.expected, step.at_most);
+        }
+        text += &format!("\nAbout {} cycles:", self.cycles);
+        for at in &self.milliseconds {
+            text += &format!(" {} ms at {} MHz,", quantity(at.milliseconds), at.megahertz);
+        }
+        text += " estimated, from flash without wait states";
+        if let Some(charge) = self.microcoulombs {
+            text += &format!("; {} µC", quantity(charge));
+        }
+        text + ".\n"
+    }
+}
+
+/// What the runs of a planned scene do on the device, where costs are known for it: on the
+/// rung `best`.
+///
+/// # Errors
+/// Where the kernel does not take its tables.
+pub(super) fn operations(planned: &Planned, stop: Stop) -> Result<Option<Operations>, Failure> {
+    if planned.rung != FormFactorRung::from(Rung::Best) || planned.sight == Sight::VertexRays {
+        return Ok(None);
+    }
+    Operations::of(&planned.tables, planned.sight, stop, GRID)
+        .map(Some)
+        .map_err(|error| Failure::limit(error, "lower [budget] samples or split the scene"))
 }
 
 fn parts(planned: &SurfacePlan) -> Vec<OfPart> {

@@ -49,9 +49,8 @@ impl<'t> Scene<'t> {
         if let Some(shape) = shape.filter(|_| emitter.loops == 0) {
             return Bracket::exactly(self.of_point(receiver, emitter, shape, radiosity));
         }
-        let occluded = V::CAPACITIES.occluders
-            && !unshadowed
-            && shape.is_some_and(|shape| shape.blockers > 0);
+        let occluded =
+            V::CAPACITIES.occluders && !unshadowed && shape.is_some_and(|shape| shape.blockers > 0);
         if L::COEFFICIENTS == 1 && !occluded {
             let factor = self.form_factor::<A>(receiver, emitter);
             return Bracket::exactly(radiosity.received(factor, || [0.0; 2]));

@@ -68,9 +68,10 @@ where
 
     /// The mean of [`unshot`](Self::unshot), to the bit, for a third of its cost.
     fn unshot_mean(&self, index: usize) -> L::Colour {
-        let (Some(state), Some(emitter)) =
-            (self.emitters.get(index), self.tables().emitters().get(index))
-        else {
+        let (Some(state), Some(emitter)) = (
+            self.emitters.get(index),
+            self.tables().emitters().get(index),
+        ) else {
             return L::Colour::DARK;
         };
         let exitance = self.tables().exitance::<L::Colour>(index);

@@ -15,7 +15,7 @@ pub(crate) const DARK: Value = Value::DARK;
 pub(crate) const WORDS: usize = Value::CHANNELS;
 
 /// Whether surfaces are put together from fields.
-const FIELDS: bool = ROOM > 0;
+const FIELDS: bool = ROOM != 0;
 
 /// Makes what the rows of a surface need, where it has fields.
 #[inline(always)]

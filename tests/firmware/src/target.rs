@@ -75,6 +75,31 @@ fn main() -> ! {
     process::exit(1)
 }
 
+unsafe extern "C" {
+    // The linker's marks: statics that are zero, statics that are not, and the image of
+    // the latter, which is the last of what the program has in flash.
+    static __sbss: u8;
+    static __ebss: u8;
+    static __sdata: u8;
+    static __edata: u8;
+    static __sidata: u8;
+}
+
+/// Bytes of RAM and of flash that this program takes.
+fn memory() -> [usize; 2] {
+    let [sbss, ebss, sdata, edata, image] = [
+        &raw const __sbss,
+        &raw const __ebss,
+        &raw const __sdata,
+        &raw const __edata,
+        &raw const __sidata,
+    ]
+    .map(|mark| mark as usize);
+    let data = edata - sdata;
+    // Flash begins at 0, with the vector table.
+    [ebss - sbss + data, image + data]
+}
+
 /// Why the run ended early.
 enum Failure {
     /// The kernel refused the scene.
@@ -117,6 +142,8 @@ fn run() -> Result<(), Failure> {
     let clock = Clock::start(peripherals.SYST);
     let (timer, systick) = clock.cross_check();
     defmt::info!("cross-check timer {=u64} systick {=u64}", timer, systick);
+    let [ram, flash] = memory();
+    defmt::info!("memory ram {=usize} flash {=usize}", ram, flash);
     let meter = Meter::new(clock);
 
     let (loaded, cost) = meter.measure(|| isolux_step_load(light));
