@@ -174,8 +174,8 @@ pub(crate) fn error(costs: &BTreeMap<String, f64>, one: &Observed) -> f64 {
     sum / one.instructions - 1.0
 }
 
-/// What costs are said to err by where there were too few runs to know.
-const UNKNOWN: f64 = 0.05;
+/// What costs are said to err by at least: few runs are fitted exactly.
+const LEAST: f64 = 0.05;
 
 /// The committed file, and what it errs by, in words.
 pub(crate) fn model(all: &[Observed]) -> (String, String) {
@@ -189,11 +189,8 @@ pub(crate) fn model(all: &[Observed]) -> (String, String) {
         let largest = errors
             .iter()
             .fold(0.0, |most: f64, error| most.max(error.abs()));
-        // As many costs as steps fit anything: such an error says nothing.
-        let allowed = match its.len() < 2 * costs.len() {
-            true => f64::max(largest, UNKNOWN),
-            false => largest,
-        };
+        // Other scenes err by more than those that costs were fitted to.
+        let allowed = f64::max(2.0 * largest, LEAST);
         for (operation, cost) in &costs {
             text += &format!("{name},{operation},{cost:.4}\n");
         }

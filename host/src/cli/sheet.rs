@@ -44,8 +44,7 @@ struct Cost {
     core: &'static str,
     instructions: PredictedSteps,
     instructions_total: Predicted,
-    /// The largest error of the prediction in the runs that its costs were fitted to, in
-    /// percent.
+    /// What a step may be above its prediction, in percent of it.
     error: Errors,
     shots: u64,
     /// Rows and columns of the grids of the step `resample`.

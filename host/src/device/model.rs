@@ -2,8 +2,8 @@
 //! costs on a core.
 //!
 //! The costs are committed (`benches/model.csv`), fitted once to runs of many scenes on
-//! the emulated core by `cargo bench --bench model -- --write`; [`Model::error`] says by
-//! how much the sum errs in them. They are of the rung `best` on a Cortex-M4F with its
+//! the emulated core by `cargo bench --bench model -- --write`; [`Model::error`] is twice
+//! what the sum errs by in them, and 5 % at least. They are of the rung `best` on a Cortex-M4F with its
 //! own square root, in a program linked for speed.
 
 use std::collections::BTreeMap;
@@ -25,7 +25,7 @@ pub const CYCLES: f64 = 1.57;
 pub struct Model {
     /// By step and operation, in instructions. Direct light and shots are one step.
     costs: BTreeMap<(String, String), f64>,
-    /// The largest relative error of a step in the runs that it was fitted to.
+    /// What a step may be above the sum, relative to it.
     errors: BTreeMap<String, f64>,
 }
 
@@ -34,7 +34,7 @@ pub struct Model {
 pub struct Predicted {
     /// The sum of its operations, in instructions.
     pub expected: u64,
-    /// No run that the model was fitted to was above it by more than this.
+    /// The same with twice what the model erred by in the runs that it was fitted to.
     pub at_most: u64,
 }
 
@@ -57,8 +57,8 @@ impl Model {
         Self::read(COMMITTED)
     }
 
-    /// Reads `step,operation,instructions` lines; the operation `error` is the largest
-    /// relative error of a step.
+    /// Reads `step,operation,instructions` lines; the operation `error` is what
+    /// a step may be above the sum, relative to it.
     pub fn read(text: &str) -> Self {
         let mut model = Self::default();
         for line in text.lines() {
@@ -79,8 +79,8 @@ impl Model {
         model
     }
 
-    /// The largest relative error of a step of a kind of light in the runs that the model
-    /// was fitted to; `None` where it was in none.
+    /// What a step of a kind of light is allowed to be above the sum; `None` where no run
+    /// that the model was fitted to has such a step.
     pub fn error(&self, step: &str, kind: &str, done: &Done) -> Option<f64> {
         let group = group(step, kind, done.keys().copied());
         self.errors.get(&group).copied()
