@@ -7,6 +7,7 @@
 mod integers;
 mod looking;
 mod rung;
+pub mod tally;
 
 pub use rung::{FormFactorRung, HostRoot, Rung, Sight, fixed_form_factor};
 

@@ -52,7 +52,8 @@ pub struct Light<
 > where
     L: Luminance,
 {
-    scene: Scene<'t>,
+    /// `None` is nothing but zeros: a `static` of an empty light takes no flash.
+    scene: Option<Scene<'t>>,
     /// Irradiance of every sample, W m⁻².
     irradiance: Vec<L::Colour, SAMPLES>,
     emitters: Vec<Shot<L>, EMITTERS>,
@@ -107,11 +108,11 @@ where
         Ok(light)
     }
 
-    /// The state of no scene at all, to be made in a `static`, so that however
-    /// large it is it passes no stack; [`enter`](Self::enter) gives it a scene.
+    /// The state of no scene at all, all zeros, to be made in a `static`, so that
+    /// however large it is it passes no stack and takes no flash; [`enter`](Self::enter) gives it a scene.
     pub const fn empty(sight: V) -> Self {
         Self {
-            scene: Scene::EMPTY,
+            scene: None,
             irradiance: Vec::new(),
             emitters: Vec::new(),
             form_factors: 0,
@@ -125,7 +126,7 @@ where
     /// # Errors
     /// As [`new`](Self::new); it then has no scene.
     pub fn enter(&mut self, scene: Scene<'t>) -> Result<(), Error> {
-        self.scene = Scene::EMPTY;
+        self.scene = None;
         self.irradiance.clear();
         self.emitters.clear();
         self.form_factors = 0;
@@ -162,7 +163,7 @@ where
             .emitters
             .resize(counts.emitters as usize, Shot::NOTHING);
         if samples.is_ok() && emitters.is_ok() {
-            self.scene = scene;
+            self.scene = Some(scene);
         }
         Ok(())
     }
@@ -174,7 +175,13 @@ where
 
     /// The scene.
     pub fn scene(&self) -> Scene<'t> {
-        self.scene
+        *self.tables()
+    }
+
+    /// The scene in place; that of nothing where none was entered.
+    #[inline(always)]
+    fn tables(&self) -> &Scene<'t> {
+        self.scene.as_ref().unwrap_or(&Scene::EMPTY)
     }
 
     /// Irradiance of every sample in W m⁻², in the order of the tables.
@@ -273,7 +280,7 @@ where
     where
         V: Visibility,
     {
-        self.at_among(&self.scene, receiver, sight)
+        self.at_among(self.tables(), receiver, sight)
     }
 
     /// As [`at_with`](Self::at_with), looking in another scene with the same
@@ -300,7 +307,9 @@ where
 
     /// Adds what every sample receives from this much radiosity.
     fn send(&mut self, index: usize, radiosity: L) {
-        let scene = self.scene;
+        let Some(scene) = self.scene else {
+            return;
+        };
         let Some(emitter) = scene.emitters().get(index) else {
             return;
         };

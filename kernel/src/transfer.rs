@@ -12,7 +12,7 @@ use crate::form_factor::Arithmetic;
 use crate::geometry::Receiver;
 use crate::luminance::Luminance;
 use crate::scene::Scene;
-use crate::visibility::{Unoccluded, Visibility};
+use crate::visibility::Visibility;
 
 /// An emitter and a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,12 +90,13 @@ impl<V: Visibility> Transfer for V {
         pair: Pair,
         radiosity: L,
     ) -> L::Colour {
-        if V::CAPACITIES.occluders && pair.unshadowed {
-            let sight = &mut Unoccluded;
-            let whole = scene.received::<A, L, _>(receiver, pair.emitter, radiosity, sight);
-            return whole.middle();
-        }
-        let bracket = scene.received::<A, L, V>(receiver, pair.emitter, radiosity, self);
+        let Pair {
+            emitter,
+            unshadowed,
+            ..
+        } = pair;
+        let bracket =
+            scene.received_past::<A, L, V>(receiver, emitter, radiosity, self, unshadowed);
         bracket.middle()
     }
 

@@ -4,11 +4,14 @@ use super::choice::RungArguments;
 use super::failure::Failure;
 use super::pipeline::{self, Planned};
 use super::render::GRID;
-use super::{BouncesArgument, PlanArgument, SceneArgument};
+use super::sheet::{self, Sheet};
+use super::{BouncesArgument, CurrentArgument, PlanArgument, SceneArgument};
+use crate::device::operations::Operations;
 use crate::device::{self, Core, Job, Measured, Options};
 use crate::report::Progress;
 use crate::solve::Solution;
 use clap::Args;
+use serde::Serialize;
 use std::io::Write;
 
 /// Bakes a scene, builds the firmware around it, runs it on an emulated
@@ -25,6 +28,12 @@ pub(super) struct Arguments {
     negative_control: bool,
     #[command(flatten)]
     plan: PlanArgument,
+    /// Print the budget sheet too, made before the run, and hold the run to it: on the
+    /// Cortex-M4F alone.
+    #[arg(long)]
+    sheet: bool,
+    #[command(flatten)]
+    current: CurrentArgument,
     #[command(flatten)]
     rungs: RungArguments,
 }
@@ -52,21 +61,109 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     let options = Options {
         negative_control: arguments.negative_control,
         // Integers have no use for the FPU's root.
-        software_root: !planned.rung.is_integer(),
+        software_root: !planned.rung.is_integer() && !arguments.sheet,
+        cores: match arguments.sheet {
+            true => vec![Core::CortexM4F],
+            false => Core::ALL.to_vec(),
+        },
         ..Options::default()
+    };
+    fits(&planned)?;
+    let sheet = match arguments.sheet {
+        true => Some(sheet_of(&planned, arguments)?),
+        false => None,
     };
     let progress = Progress::start("building and emulating", 0);
     let measured = device::run(&job, &options).map_err(|error| Failure::limit(error, ""))?;
     progress.finish();
     let mut out = std::io::stdout().lock();
     if json {
-        serde_json::to_writer(&mut out, &measured).map_err(std::io::Error::from)?;
+        let answer = Answer {
+            measured: &measured,
+            sheet: sheet.as_ref(),
+        };
+        serde_json::to_writer(&mut out, &answer).map_err(std::io::Error::from)?;
         writeln!(out)?;
     } else {
+        if let Some(Sheeted { sheet, .. }) = &sheet {
+            out.write_all(sheet.in_words().as_bytes())?;
+        }
         out.write_all(in_words(&measured).as_bytes())?;
     }
     out.flush()?;
-    verdict(&measured)
+    verdict(&measured)?;
+    match &sheet {
+        Some(sheet) => kept(&sheet.sheet, &measured),
+        None => Ok(()),
+    }
+}
+
+#[derive(Serialize)]
+struct Answer<'a> {
+    #[serde(flatten)]
+    measured: &'a Measured,
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    sheet: Option<&'a Sheeted>,
+}
+
+/// The sheet, and the operations that its instructions are the sum of.
+#[derive(Serialize)]
+struct Sheeted {
+    sheet: Sheet,
+    operations: Option<Operations>,
+}
+
+fn sheet_of(planned: &Planned, arguments: &Arguments) -> Result<Sheeted, Failure> {
+    let operations = sheet::operations(planned, pipeline::stop(arguments.bounces.bounces))?;
+    let current = arguments.current.microamperes;
+    let sheet = Sheet::of(planned)?.with_cost(operations.as_ref(), current);
+    Ok(Sheeted { sheet, operations })
+}
+
+/// Refuses tables that the device has no flash for before a firmware is built.
+fn fits(planned: &Planned) -> Result<(), Failure> {
+    let (tables, ram) = (planned.tables.bytes().len() as u64, planned.ram()?.0 as u64);
+    for (what, wish, needed, have) in [
+        (
+            "flash for its tables",
+            "--flash",
+            tables,
+            device::DEVICE_FLASH,
+        ),
+        ("RAM", "--ram", ram, device::DEVICE_RAM),
+    ] {
+        if needed > have {
+            return Err(Failure::limit(
+                format!(
+                    "scene `{}` needs {needed} bytes of {what}, memory.x has {have}",
+                    planned.scene.name
+                ),
+                format!(
+                    "make a smaller plan: isolux plan SCENE {wish} {have} -o FILE, and --plan FILE"
+                ),
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Whether the run kept to its sheet: RAM and flash to the byte, the stack within the
+/// proved bound, instructions not above what was predicted at most.
+fn kept(sheet: &Sheet, measured: &Measured) -> Result<(), Failure> {
+    let memory = measured.memory;
+    let bytes = memory.ram_bytes == measured.ram_bytes
+        && memory.flash_bytes == measured.flash_bytes
+        && measured.stack_bytes <= measured.stack_bound_bytes;
+    let steps = sheet
+        .predicted()
+        .is_none_or(|steps| steps.hold(&measured.instructions_by_step));
+    if bytes && steps {
+        return Ok(());
+    }
+    Err(Failure::limit(
+        "the run did not keep to its sheet",
+        "bake the costs anew: cargo bench --bench model -- --write",
+    ))
 }
 
 /// The bits of every sample and of every resampled grid, as the host has them.

@@ -3,6 +3,7 @@
 //! | line | holds |
 //! | --- | --- |
 //! | `step NAME instructions N stack N` | cost of one step; a name may recur, instructions then add |
+//! | `memory ram N flash N` | bytes between the linker's marks |
 //! | `solved shots N form-factors N unshot F` | how shooting ended |
 //! | `values [..]` | bits of the next values, four bytes each, little-endian |
 //! | `end values N` | the last line: how many values there were |
@@ -15,6 +16,7 @@ use std::collections::BTreeMap;
 use defmt_decoder::{DecodeError, Table};
 
 use super::error::Error;
+use super::measured::Memory;
 
 /// The two clocks of the firmware's cross-check begin and end one inside the
 /// other: so many instructions apart at most.
@@ -27,6 +29,8 @@ pub(crate) struct Log {
     pub(crate) steps: BTreeMap<String, Step>,
     /// Bits of every sample's irradiance and every resampled value, in order.
     pub(crate) values: Vec<u32>,
+    /// What the program found of itself.
+    pub(crate) memory: Memory,
     /// Shots taken.
     pub(crate) shots: u32,
     /// Form factors evaluated while solving.
@@ -130,6 +134,12 @@ impl Log {
                 self.shots = shots.parse().map_err(|_| unread())?;
                 self.form_factors = form_factors.parse().map_err(|_| unread())?;
                 self.unshot = unshot.parse().map_err(|_| unread())?;
+            }
+            ["memory", "ram", ram, "flash", flash] => {
+                self.memory = Memory {
+                    ram_bytes: ram.parse().map_err(|_| unread())?,
+                    flash_bytes: flash.parse().map_err(|_| unread())?,
+                };
             }
             ["end", "values", count] => self.ended = Some(count.parse().map_err(|_| unread())?),
             ["cross-check", ..] => clocks(line)?,

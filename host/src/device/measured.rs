@@ -29,6 +29,8 @@ pub struct Measured {
     pub form_factors: u32,
     /// Power left unshot, as a fraction of the emitted power.
     pub unshot: f32,
+    /// What the running program found of itself between the linker's marks.
+    pub memory: Memory,
     /// Deepest stack of the kernel's steps as painted, in bytes.
     pub stack_bytes: u64,
     /// Upper bound of the same from the linked program, in bytes.
@@ -45,6 +47,15 @@ pub struct Measured {
     pub flash_kernel_code_bytes: u64,
     /// What was allowed.
     pub budget: Allowed,
+}
+
+/// Memory that a running program takes, in bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Memory {
+    /// Statics.
+    pub ram_bytes: u64,
+    /// Vector table, code, constants, tables, and the image of initialised statics.
+    pub flash_bytes: u64,
 }
 
 /// A program on a core.

@@ -21,8 +21,11 @@ mod error;
 mod firmware;
 mod flash;
 mod hash;
+mod linked;
 mod log;
 mod measured;
+pub mod model;
+pub mod operations;
 mod size;
 pub mod stack;
 mod trace;
@@ -33,6 +36,7 @@ pub use error::Error;
 pub use firmware::{Build, Toolchain};
 pub use flash::{Extent, Flash, flash};
 pub use hash::{Hashed, hashes};
+pub use linked::{Linked, Optimised, linked};
 pub use measured::{Allowed, Difference, Measured, Skipped, Steps, Target};
 pub use trace::{Traced, traces};
 
@@ -171,6 +175,7 @@ pub fn run(job: &Job<'_>, options: &Options) -> Result<Measured, Error> {
         shots: log.shots,
         form_factors: log.form_factors,
         unshot: log.unshot,
+        memory: log.memory,
         stack_bytes: painted,
         stack_bound_bytes: inspected.stack,
         ram_bytes: inspected.sizes.ram,

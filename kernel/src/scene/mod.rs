@@ -7,8 +7,21 @@
 //!
 //! # Format, version 4
 //!
-//! Little-endian, 4-byte aligned, no padding but where said. A header
-//! ([`records::Header`]) gives the counts; then follow, without gaps,
+//! Little-endian, 4-byte aligned, no padding but where said. Every record has its
+//! fields in the order in which its type declares them, without gaps; their units are
+//! with them. A header ([`records::Header`]) of 148 bytes comes first:
+//!
+//! | offset | field | holds |
+//! | ---: | --- | --- |
+//! | 0 | `magic` | the eight bytes of [`MAGIC`] |
+//! | 8 | `version` | `u32`, [`VERSION`] |
+//! | 12 | `bytes` | `u32`, length of the tables, header included |
+//! | 16 | `checksum` | `u32`, [`records::checksum`] of everything from offset 20 on |
+//! | 20 | `counts` | 27 `u32`, [`records::Counts`] |
+//! | 128 | `sight` | 4 `u32`, [`records::Sight`] |
+//! | 144 | `tolerance` | `f32`, metres |
+//!
+//! Then follow, without gaps,
 //!
 //! | section | record | bytes each |
 //! | --- | --- | --- |

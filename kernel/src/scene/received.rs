@@ -27,6 +27,20 @@ impl<'t> Scene<'t> {
         radiosity: L,
         sight: &mut V,
     ) -> Bracket<L::Colour> {
+        self.received_past::<A, L, V>(receiver, index, radiosity, sight, false)
+    }
+
+    /// As [`received`](Self::received); past all occluders where `unshadowed`. One
+    /// function for both: two would be twice the code.
+    #[inline]
+    pub(crate) fn received_past<A: Arithmetic<f32>, L: Luminance, V: Visibility>(
+        &self,
+        receiver: &Receiver<f32>,
+        index: usize,
+        radiosity: L,
+        sight: &mut V,
+        unshadowed: bool,
+    ) -> Bracket<L::Colour> {
         let dark = Bracket::exactly(L::Colour::DARK);
         let Some(emitter) = self.emitters.get(index) else {
             return dark;
@@ -35,7 +49,8 @@ impl<'t> Scene<'t> {
         if let Some(shape) = shape.filter(|_| emitter.loops == 0) {
             return Bracket::exactly(self.of_point(receiver, emitter, shape, radiosity));
         }
-        let occluded = V::CAPACITIES.occluders && shape.is_some_and(|shape| shape.blockers > 0);
+        let occluded =
+            V::CAPACITIES.occluders && !unshadowed && shape.is_some_and(|shape| shape.blockers > 0);
         if L::COEFFICIENTS == 1 && !occluded {
             let factor = self.form_factor::<A>(receiver, emitter);
             return Bracket::exactly(radiosity.received(factor, || [0.0; 2]));
@@ -273,6 +288,7 @@ struct Received<'a, R, L: Luminance> {
 
 impl<R, L: Luminance> Received<'_, R, L> {
     /// From one piece.
+    #[inline(never)]
     fn of(&self, piece: &Piece<'_, f32>, factor: f32) -> L::Colour {
         self.radiosity.received(factor, || {
             let corners = piece.corners();

@@ -1,6 +1,7 @@
 //! The records of the table format, as they lie in flash.
 
 use crate::geometry::Vector;
+use core::mem::{offset_of, size_of};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// The head of the tables.
@@ -23,6 +24,17 @@ pub struct Header {
     /// largest absolute coordinate of the scene.
     pub tolerance: f32,
 }
+
+// The offsets that the format is specified with.
+const _: () = assert!(
+    offset_of!(Header, version) == 8
+        && offset_of!(Header, bytes) == 12
+        && offset_of!(Header, checksum) == 16
+        && offset_of!(Header, counts) == 20
+        && offset_of!(Header, sight) == 128
+        && offset_of!(Header, tolerance) == 144
+        && size_of::<Header>() == 148
+);
 
 /// The capacities of [`Exact`](crate::visibility::Exact) that a scene was
 /// planned for; all 0 where nothing occludes.

@@ -33,7 +33,7 @@ where
         const SCALE: f32 = 1.0 / (1 << 24) as f32;
         let (mut unshot, mut emitted, mut most) = (0.0, 0.0, 0.0);
         let mut brightest = None;
-        for (index, emitter) in self.scene.emitters().iter().enumerate() {
+        for (index, emitter) in self.tables().emitters().iter().enumerate() {
             let radiosity = L::strength(self.unshot_mean(index));
             unshot += if radiosity > 0.0 { radiosity } else { 0.0 } * SCALE * emitter.area;
             // Not scaled: the smallest powers must be told apart.
@@ -41,7 +41,7 @@ where
             if power > most {
                 (brightest, most) = (Some(index), power);
             }
-            let exitance = self.scene.exitance::<L::Colour>(index).total();
+            let exitance = self.tables().exitance::<L::Colour>(index).total();
             emitted += exitance * SCALE * emitter.area;
         }
         Left {
@@ -60,7 +60,7 @@ where
         let Some(state) = self.emitters.get(index) else {
             return L::DARK;
         };
-        let exitance = L::uniform(self.scene.exitance(index));
+        let exitance = L::uniform(self.tables().exitance(index));
         exitance
             .zip(self.reflected(index), Colour::plus)
             .zip(state.shot, |all, shot| all.zip(shot, Self::held))
@@ -68,15 +68,16 @@ where
 
     /// The mean of [`unshot`](Self::unshot), to the bit, for a third of its cost.
     fn unshot_mean(&self, index: usize) -> L::Colour {
-        let (Some(state), Some(emitter)) =
-            (self.emitters.get(index), self.scene.emitters().get(index))
-        else {
+        let (Some(state), Some(emitter)) = (
+            self.emitters.get(index),
+            self.tables().emitters().get(index),
+        ) else {
             return L::Colour::DARK;
         };
-        let exitance = self.scene.exitance::<L::Colour>(index);
+        let exitance = self.tables().exitance::<L::Colour>(index);
         let mut mean = L::Colour::DARK;
         if emitter.members > 0 {
-            for (sample, weights) in self.scene.members_of(emitter) {
+            for (sample, weights) in self.tables().members_of(emitter) {
                 let irradiance = self.irradiance.get(sample).copied();
                 let irradiance = irradiance.unwrap_or(L::Colour::DARK);
                 mean = mean.plus(match weights.first() {
@@ -88,7 +89,7 @@ where
                 mean = mean.map(|sum| sum / emitter.members as f32);
             }
             let reflectance = self
-                .scene
+                .tables()
                 .reflectance::<L::Colour>(emitter.surface as usize);
             mean = mean.zip(reflectance, |e, rho| rho * e);
         }
@@ -112,19 +113,19 @@ where
     /// ρ times the irradiance of the emitter's members: their mean, or what
     /// their weights make of it.
     fn reflected(&self, index: usize) -> L {
-        let Some(emitter) = self.scene.emitters().get(index) else {
+        let Some(emitter) = self.tables().emitters().get(index) else {
             return L::DARK;
         };
         if emitter.members == 0 {
             return L::DARK;
         }
         let mut sum = L::DARK;
-        for (sample, weights) in self.scene.members_of(emitter) {
+        for (sample, weights) in self.tables().members_of(emitter) {
             let irradiance = self.irradiance.get(sample).copied();
             sum = sum.gather(irradiance.unwrap_or(L::Colour::DARK), weights);
         }
         let reflectance = self
-            .scene
+            .tables()
             .reflectance::<L::Colour>(emitter.surface as usize);
         sum.gathered(emitter.members as usize)
             .zip(L::DARK, |all, _| all.zip(reflectance, |e, rho| rho * e))

@@ -6,8 +6,9 @@ use isolux::shoot::{Solved, Stop};
 use semihosting::process;
 
 use crate::clock::Clock;
-use crate::job::{self, ISOLUX_TABLES, RESOLUTION};
-use crate::kernel::{self, DARK, EMPTY, Light, ROOM, Scene, Value, WORDS};
+use crate::job::baked::{self, ROOM, TABLES};
+use crate::job::{self, RESOLUTION};
+use crate::kernel::{self, DARK, Light, Value, WORDS};
 use crate::meter::{Cost, Meter};
 
 /// Rounding mode, flush to zero and default NaN in FPSCR: all must be 0, or the
@@ -22,7 +23,7 @@ const FPSCR_MODES: u32 = 0x03c0_0000;
 #[inline(never)]
 #[unsafe(no_mangle)]
 fn isolux_step_load(light: &mut Light) -> Result<(), Error> {
-    light.enter(Scene::load(&ISOLUX_TABLES.0)?)
+    light.enter(baked::load()?)
 }
 
 /// Direct light alone.
@@ -74,6 +75,31 @@ fn main() -> ! {
     process::exit(1)
 }
 
+unsafe extern "C" {
+    // The linker's marks: statics that are zero, statics that are not, and the image of
+    // the latter, which is the last of what the program has in flash.
+    static __sbss: u8;
+    static __ebss: u8;
+    static __sdata: u8;
+    static __edata: u8;
+    static __sidata: u8;
+}
+
+/// Bytes of RAM and of flash that this program takes.
+fn memory() -> [usize; 2] {
+    let [sbss, ebss, sdata, edata, image] = [
+        &raw const __sbss,
+        &raw const __ebss,
+        &raw const __sdata,
+        &raw const __edata,
+        &raw const __sidata,
+    ]
+    .map(|mark| mark as usize);
+    let data = edata - sdata;
+    // Flash begins at 0, with the vector table.
+    [ebss - sbss + data, image + data]
+}
+
 /// Why the run ended early.
 enum Failure {
     /// The kernel refused the scene.
@@ -89,9 +115,9 @@ impl From<Error> for Failure {
 }
 
 fn run() -> Result<(), Failure> {
-    if ISOLUX_TABLES.0.is_empty() {
+    if TABLES.0.is_empty() {
         return Err(Failure::Because(
-            "built without tables: set ISOLUX_TABLES, as `isolux device SCENE` does",
+            "built without tables: set ISOLUX_BAKED, as `isolux device SCENE` does",
         ));
     }
     #[cfg(target_abi = "eabihf")]
@@ -104,7 +130,7 @@ fn run() -> Result<(), Failure> {
     let Some(peripherals) = cortex_m::Peripherals::take() else {
         return Err(twice);
     };
-    let Some(light) = singleton!(: Light = EMPTY) else {
+    let Some(light) = singleton!(: Light = baked::DARK) else {
         return Err(twice);
     };
     let Some(row) = singleton!(: [Value; RESOLUTION] = [DARK; RESOLUTION]) else {
@@ -116,6 +142,8 @@ fn run() -> Result<(), Failure> {
     let clock = Clock::start(peripherals.SYST);
     let (timer, systick) = clock.cross_check();
     defmt::info!("cross-check timer {=u64} systick {=u64}", timer, systick);
+    let [ram, flash] = memory();
+    defmt::info!("memory ram {=usize} flash {=usize}", ram, flash);
     let meter = Meter::new(clock);
 
     let (loaded, cost) = meter.measure(|| isolux_step_load(light));

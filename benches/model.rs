@@ -1,0 +1,77 @@
+//! What an operation of the kernel costs on a Cortex-M4F, fitted to emulated runs of many
+//! scenes: the costs that the budget sheet multiplies.
+//!
+//! ```text
+//! cargo bench --bench model              prints the costs and what they err by
+//! cargo bench --bench model -- --write   also writes benches/model.csv
+//! ```
+//!
+//! Says loudly what is missing where the emulator or the Rust target is, and ends.
+
+#[path = "parts/model.rs"]
+mod model;
+
+use isolux_host::report::write_file;
+use std::path::Path;
+use std::process::{Command, ExitCode};
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if !arguments.iter().any(|argument| argument == "--bench") {
+        return ExitCode::SUCCESS; // `cargo test` builds it, and no more
+    }
+    let directory = tempfile::tempdir().expect("a directory");
+    let mut observed = Vec::new();
+    for run in &model::RUNS {
+        let arguments = run.arguments(directory.path());
+        let Some(answer) = answer(&arguments, directory.path()) else {
+            return ExitCode::FAILURE;
+        };
+        let steps = model::observed(&answer);
+        for step in &steps {
+            println!(
+                "{} {}: {}",
+                arguments.join(" "),
+                step.group,
+                step.instructions
+            );
+        }
+        observed.extend(steps);
+    }
+    let (text, said) = model::model(&observed);
+    print!("{text}{said}");
+    if arguments.iter().any(|argument| argument == "--write") {
+        if let Err(error) = write_file(Path::new(model::PATH), text.as_bytes()) {
+            eprintln!("{error}");
+            return ExitCode::FAILURE;
+        }
+        println!("wrote {}", model::PATH);
+    }
+    ExitCode::SUCCESS
+}
+
+/// What the program of this checkout answers. That the run is above the committed costs is
+/// no failure here.
+fn answer(arguments: &[String], directory: &Path) -> Option<serde_json::Value> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
+    let output = Command::new(cargo)
+        .args([
+            "run",
+            "--quiet",
+            "--bin",
+            "isolux",
+            "--manifest-path",
+            manifest,
+            "--",
+        ])
+        .args(arguments)
+        .current_dir(directory)
+        .output()
+        .expect("cargo runs");
+    let answer = serde_json::from_slice(&output.stdout).ok();
+    if answer.is_none() {
+        eprintln!("{}", String::from_utf8_lossy(&output.stderr));
+    }
+    answer
+}

@@ -1,0 +1,412 @@
+//! The budget sheet: what a planned scene holds, costs and is predicted to err by.
+
+use super::failure::Failure;
+use super::pipeline::Planned;
+use super::render::GRID;
+use crate::device::Core;
+use crate::device::model::{CYCLES, Model, Predicted, PredictedSteps};
+use crate::device::operations::{Done, Operations};
+use crate::plan::{SurfacePlan, Tag};
+use crate::report::{percent, quantity};
+use crate::solve::{FormFactorRung, Rung, Sight};
+use isolux::budget;
+use isolux::shoot::Stop;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// The budget sheet of a planned scene.
+#[derive(Clone, Serialize)]
+pub(super) struct Sheet {
+    scene: String,
+    rungs: RungNames,
+    samples: usize,
+    /// Values on outlines of shadows that are known without a sample.
+    free_samples: usize,
+    luminaires: usize,
+    /// Emitters that reflect.
+    emitters: usize,
+    /// Light, workspace and room together.
+    ram_bytes: u64,
+    light_bytes: usize,
+    workspace_bytes: usize,
+    room_bytes: usize,
+    table_bytes: u64,
+    /// In percent; `null` where the planner made no prediction.
+    predicted_error: Option<f64>,
+    surfaces: Vec<OfSurface>,
+    /// `null` for rungs that no costs were measured for.
+    cost: Option<Cost>,
+}
+
+/// What a run costs, predicted.
+#[derive(Clone, Serialize)]
+struct Cost {
+    core: &'static str,
+    instructions: PredictedSteps,
+    instructions_total: Predicted,
+    /// What a step may be above its prediction, in percent of it.
+    error: Errors,
+    shots: u64,
+    /// Rows and columns of the grids of the step `resample`.
+    resolution: usize,
+    /// Estimated, from flash without wait states.
+    cycles: u64,
+    milliseconds: Vec<AtClock>,
+    /// Of the stated current for a megahertz.
+    microcoulombs: Option<f64>,
+}
+
+#[derive(Clone, Copy, Serialize)]
+struct Errors {
+    load: f64,
+    light: f64,
+    resample: f64,
+}
+
+#[derive(Clone, Copy, Serialize)]
+struct AtClock {
+    megahertz: f64,
+    milliseconds: f64,
+}
+
+/// Clocks that times are given for.
+const CLOCKS: [f64; 3] = [16.0, 64.0, 168.0];
+
+#[derive(Clone, Serialize)]
+struct RungNames {
+    arithmetic: &'static str,
+    visibility: &'static str,
+    emitters: &'static str,
+    transfer: &'static str,
+    placement: &'static str,
+    reconstruction: &'static str,
+}
+
+#[derive(Clone, Serialize)]
+struct OfSurface {
+    name: String,
+    samples: usize,
+    by_tag: BTreeMap<&'static str, usize>,
+    free_samples: usize,
+    emitters: usize,
+    predicted_error: Option<f64>,
+    /// The same of every part of its light.
+    parts: Vec<OfPart>,
+}
+
+#[derive(Clone, Serialize)]
+struct OfPart {
+    part: &'static str,
+    /// In percent of all light there.
+    error: f64,
+    /// The area in m² that it is the mean over.
+    area: f64,
+}
+
+impl Sheet {
+    /// The sheet of a planned scene.
+    ///
+    /// # Errors
+    /// Where the kernel does not take its tables.
+    pub(super) fn of(planned: &Planned) -> Result<Self, Failure> {
+        let (ram, sight) = planned.ram()?;
+        let workspace = budget::sight_bytes(&sight);
+        let room = match planned.rung.is_integer() {
+            true => 0,
+            false => budget::room_bytes(&planned.tables.counts),
+        };
+        let areas = planned.scene.surfaces.iter().map(|surface| surface.area);
+        let error = planned.plan.predicted_error(areas);
+        let (scene, plan) = (&planned.scene, &planned.plan);
+        let counts = &planned.tables.counts;
+        let surfaces = scene.surfaces.iter().zip(&plan.surfaces);
+        let looked_at = surfaces.filter(|(_, planned)| !planned.samples.is_empty());
+        let of_surface = |(surface, planned): (&crate::scene::Surface, &SurfacePlan)| OfSurface {
+            name: surface.name.clone(),
+            samples: planned.samples.len(),
+            by_tag: by_tag(planned),
+            free_samples: planned.free_samples(),
+            emitters: planned.areas().len(),
+            predicted_error: planned
+                .predicted_error(surface.area)
+                .map(|error| 100.0 * error),
+            parts: parts(planned),
+        };
+        Ok(Self {
+            scene: scene.name.clone(),
+            rungs: RungNames {
+                arithmetic: planned.rung.name(),
+                visibility: planned.sight.name(),
+                emitters: planned.emitters.name(),
+                transfer: planned.transfer.name(),
+                placement: planned.placement.name(),
+                reconstruction: planned.reconstruction(),
+            },
+            samples: plan.samples(),
+            free_samples: plan.free_samples(),
+            luminaires: counts.luminaires as usize,
+            emitters: counts.emitters.saturating_sub(counts.luminaires) as usize,
+            ram_bytes: ram as u64,
+            light_bytes: ram - workspace - room,
+            workspace_bytes: workspace,
+            room_bytes: room,
+            table_bytes: planned.tables.bytes().len() as u64,
+            predicted_error: error.map(|error| 100.0 * error),
+            surfaces: looked_at.map(of_surface).collect(),
+            cost: None,
+        })
+    }
+
+    /// The sheet with what a run will cost, where the costs of its rung are known; of the
+    /// charge where a current in µA for a megahertz is given.
+    pub(super) fn with_cost(
+        mut self,
+        operations: Option<&Operations>,
+        microamperes: Option<f64>,
+    ) -> Self {
+        let Some(operations) = operations else {
+            return self;
+        };
+        let model = Model::committed();
+        if !model.knows(operations) {
+            return self;
+        }
+        let error = |step, done| 100.0 * model.error(step, &operations.kind, done).unwrap_or(0.0);
+        let instructions = model.steps(operations);
+        let total = instructions.total();
+        let cycles = total.expected as f64 * CYCLES;
+        let at_clock = |megahertz: f64| AtClock {
+            megahertz,
+            milliseconds: cycles / (1e3 * megahertz),
+        };
+        let shots = |done: &Done| done.get("shot").copied().unwrap_or(0);
+        self.cost = Some(Cost {
+            core: Core::CortexM4F.name(),
+            instructions,
+            instructions_total: total,
+            error: Errors {
+                load: error("load", &operations.load),
+                light: error("direct", &operations.direct),
+                resample: error("resample", &operations.resample),
+            },
+            shots: shots(&operations.direct) + shots(&operations.shoot),
+            resolution: GRID,
+            cycles: cycles as u64,
+            milliseconds: CLOCKS.map(at_clock).to_vec(),
+            microcoulombs: microamperes.map(|current| cycles * current * 1e-6),
+        });
+        self
+    }
+
+    /// What was predicted of the steps.
+    pub(super) fn predicted(&self) -> Option<PredictedSteps> {
+        self.cost.as_ref().map(|cost| cost.instructions)
+    }
+
+    pub(super) fn in_words(&self) -> String {
+        let rungs = &self.rungs;
+        let mut text = format!(
+            "scene `{}`: {} samples, {} values that are free, {} emitters beside {} luminaires\n",
+            self.scene, self.samples, self.free_samples, self.emitters, self.luminaires
+        );
+        text += &format!(
+            "  arithmetic {}, visibility {}, emitters {}, transfer {}, placement {}, reconstruction {}\n",
+            rungs.arithmetic,
+            rungs.visibility,
+            rungs.emitters,
+            rungs.transfer,
+            rungs.placement,
+            rungs.reconstruction
+        );
+        text += &format!(
+            "  RAM {} bytes: light {}, workspace of visibility {}, room to reconstruct in {}\n  \
+             tables {} bytes of flash\n",
+            self.ram_bytes,
+            self.light_bytes,
+            self.workspace_bytes,
+            self.room_bytes,
+            self.table_bytes
+        );
+        text += &match self.predicted_error {
+            Some(error) => format!("  predicted error {} % (relative, rms)\n", percent(error)),
+            None => "  no error is predicted: the placement is not by error\n".to_owned(),
+        };
+        let width = self
+            .surfaces
+            .iter()
+            .map(|s| s.name.chars().count())
+            .max()
+            .unwrap_or(0);
+        for surface in &self.surfaces {
+            let tags = surface
+                .by_tag
+                .iter()
+                .map(|(tag, count)| format!("{count} {tag}"));
+            let tags: Vec<String> = tags.collect();
+            let error = surface.predicted_error;
+            let error = error.map_or(String::new(), |error| {
+                format!(", error {} %", percent(error))
+            });
+            text += &format!(
+                "  {:width$}  {:>4} samples ({}), {} free, {} emitters{error}\n",
+                surface.name,
+                surface.samples,
+                tags.join(", "),
+                surface.free_samples,
+                surface.emitters,
+            );
+        }
+        if let Some(cost) = &self.cost {
+            text += &cost.in_words();
+        }
+        text
+    }
+
+    /// The sheet as Markdown.
+    pub(super) fn in_markdown(&self) -> String {
+        let rungs = &self.rungs;
+        let mut text = format!(
+            "# Budget sheet of `{}`\n\n\
+             {} samples, {} values that are free, {} emitters beside {} luminaires; arithmetic `{}`, \
+             visibility `{}`, emitters `{}`, transfer `{}`, placement `{}`, reconstruction `{}`.\n\n",
+            self.scene,
+            self.samples,
+            self.free_samples,
+            self.emitters,
+            self.luminaires,
+            rungs.arithmetic,
+            rungs.visibility,
+            rungs.emitters,
+            rungs.transfer,
+            rungs.placement,
+            rungs.reconstruction
+        );
+        text += "| bytes | |\n| --- | ---: |\n";
+        for (what, bytes) in [
+            ("RAM: light", self.light_bytes as u64),
+            ("RAM: workspace of visibility", self.workspace_bytes as u64),
+            ("RAM: room to reconstruct in", self.room_bytes as u64),
+            ("RAM in all", self.ram_bytes),
+            ("flash: tables", self.table_bytes),
+        ] {
+            text += &format!("| {what} | {bytes} |\n");
+        }
+        let error = |error: Option<f64>| error.map_or("-".to_owned(), percent);
+        text += &format!(
+            "\nPredicted error in percent, relative, the root of the mean square: {} on all \
+             surfaces together.\n\n\
+             | surface | samples | free | emitters | error | by part |\n\
+             | --- | ---: | ---: | ---: | ---: | --- |\n",
+            error(self.predicted_error)
+        );
+        for surface in &self.surfaces {
+            let parts = surface.parts.iter();
+            let parts: Vec<String> = parts
+                .map(|part| format!("{} {}", part.part, percent(part.error)))
+                .collect();
+            let tags = surface.by_tag.iter();
+            let tags: Vec<String> = tags.map(|(tag, count)| format!("{count} {tag}")).collect();
+            text += &format!(
+                "| {} | {} ({}) | {} | {} | {} | {} |\n",
+                surface.name.replace('|', "\\|"),
+                surface.samples,
+                tags.join(", "),
+                surface.free_samples,
+                surface.emitters,
+                error(surface.predicted_error),
+                parts.join(", ")
+            );
+        }
+        if let Some(cost) = &self.cost {
+            text += &cost.in_markdown();
+        }
+        text
+    }
+}
+
+impl Cost {
+    /// The steps with their names.
+    fn steps(&self) -> [(&'static str, Predicted, f64); 4] {
+        let steps = &self.instructions;
+        [
+            ("load", steps.load, self.error.load),
+            ("direct", steps.direct, self.error.light),
+            ("shoot", steps.shoot, self.error.light),
+            ("resample", steps.resample, self.error.resample),
+        ]
+    }
+
+    fn in_words(&self) -> String {
+        let steps = self
+            .steps()
+            .map(|(name, step, error)| format!("{name} {} ± {} %", step.expected, percent(error)));
+        let times = self.milliseconds.iter().map(|at| {
+            let (time, clock) = (quantity(at.milliseconds), at.megahertz);
+            format!("{time} ms at {clock} MHz")
+        });
+        let times: Vec<String> = times.collect();
+        let charge = self
+            .microcoulombs
+            .map_or(String::new(), |charge| format!("; {} µC", quantity(charge)));
+        format!(
+            "  predicted instructions on {}: {}\n  in all {} in {} shots, about {}{charge}\n",
+            self.core,
+            steps.join(", "),
+            self.instructions_total.expected,
+            self.shots,
+            times.join(", "),
+        )
+    }
+
+    fn in_markdown(&self) -> String {
+        let mut text = format!(
+            "\nPredicted instructions on a {} with `best`, linked for speed; `shoot` is {} shots \
+             with those of direct light, `resample` grids of {} × {} of every surface.\n\n\
+             | step | instructions | at most |\n| --- | ---: | ---: |\n",
+            self.core, self.shots, self.resolution, self.resolution
+        );
+        let all = ("in all", self.instructions_total, 0.0);
+        for (name, step, _) in self.steps().into_iter().chain([all]) {
+            text += &format!("| {name} | {} | {} |\n", step.expected, step.at_most);
+        }
+        text += &format!("\nAbout {} cycles:", self.cycles);
+        for at in &self.milliseconds {
+            text += &format!(" {} ms at {} MHz,", quantity(at.milliseconds), at.megahertz);
+        }
+        text += " estimated, from flash without wait states";
+        if let Some(charge) = self.microcoulombs {
+            text += &format!("; {} µC", quantity(charge));
+        }
+        text + ".\n"
+    }
+}
+
+/// What the runs of a planned scene do on the device, where costs are known for it: on the
+/// rung `best`.
+///
+/// # Errors
+/// Where the kernel does not take its tables.
+pub(super) fn operations(planned: &Planned, stop: Stop) -> Result<Option<Operations>, Failure> {
+    if planned.rung != FormFactorRung::from(Rung::Best) || planned.sight == Sight::VertexRays {
+        return Ok(None);
+    }
+    Operations::of(&planned.tables, planned.sight, stop, GRID)
+        .map(Some)
+        .map_err(|error| Failure::limit(error, "lower [budget] samples or split the scene"))
+}
+
+fn parts(planned: &SurfacePlan) -> Vec<OfPart> {
+    let of = |part: &crate::plan::Predicted| OfPart {
+        part: part.part.name(),
+        error: 100.0 * part.rms,
+        area: part.area,
+    };
+    planned.predicted.iter().map(of).collect()
+}
+
+fn by_tag(planned: &SurfacePlan) -> BTreeMap<&'static str, usize> {
+    let mut counts = BTreeMap::new();
+    let tags = planned.samples.iter().map(|sample| sample.tag);
+    tags.for_each(|tag: Tag| *counts.entry(tag.name()).or_insert(0) += 1);
+    counts
+}

@@ -1,0 +1,177 @@
+//! What a run costs before it runs: operations counted on the host, times what each
+//! costs on a core.
+//!
+//! The costs are committed (`benches/model.csv`), fitted once to runs of many scenes on
+//! the emulated core by `cargo bench --bench model -- --write`; [`Model::error`] is twice
+//! what the sum errs by in them, and 5 % at least. They are of the rung `best` on a Cortex-M4F with its
+//! own square root, in a program linked for speed.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::Steps;
+use super::operations::{Done, Operations};
+
+/// The committed costs.
+const COMMITTED: &str = include_str!("../../../benches/model.csv");
+
+/// Estimated cycles of an instruction on a Cortex-M4F with zero wait states: what the
+/// trace of `benches/trade/trade.csv` gives for form factors of `best`.
+pub const CYCLES: f64 = 1.57;
+
+/// What the operations cost.
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    /// By step and operation, in instructions. Direct light and shots are one step.
+    costs: BTreeMap<(String, String), f64>,
+    /// What a step may be above the sum, relative to it.
+    errors: BTreeMap<String, f64>,
+}
+
+/// What is predicted of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Predicted {
+    /// The sum of its operations, in instructions.
+    pub expected: u64,
+    /// The same with twice what the model erred by in the runs that it was fitted to.
+    pub at_most: u64,
+}
+
+/// The steps of a run, predicted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct PredictedSteps {
+    /// Checking the tables and making the dark state.
+    pub load: Predicted,
+    /// Direct light.
+    pub direct: Predicted,
+    /// Every shot after it.
+    pub shoot: Predicted,
+    /// Every row of every grid.
+    pub resample: Predicted,
+}
+
+impl Model {
+    /// The committed one.
+    pub fn committed() -> Self {
+        Self::read(COMMITTED)
+    }
+
+    /// Reads `step,operation,instructions` lines; the operation `error` is what
+    /// a step may be above the sum, relative to it.
+    pub fn read(text: &str) -> Self {
+        let mut model = Self::default();
+        for line in text.lines() {
+            let cells: Vec<&str> = line.split(',').collect();
+            let [step, operation, number] = *cells.as_slice() else {
+                continue;
+            };
+            let Ok(number) = number.parse() else {
+                continue;
+            };
+            if operation == "error" {
+                model.errors.insert(step.to_owned(), number);
+            } else {
+                let key = (step.to_owned(), operation.to_owned());
+                model.costs.insert(key, number);
+            }
+        }
+        model
+    }
+
+    /// What a step of a kind of light is allowed to be above the sum; `None` where no run
+    /// that the model was fitted to has such a step.
+    pub fn error(&self, step: &str, kind: &str, done: &Done) -> Option<f64> {
+        let group = group(step, kind, done.keys().copied());
+        self.errors.get(&group).copied()
+    }
+
+    /// Whether costs were measured for all that a run does.
+    pub fn knows(&self, operations: &Operations) -> bool {
+        let mut steps = operations.steps().into_iter();
+        steps.all(|(step, done)| self.error(step, &operations.kind, done).is_some())
+    }
+
+    /// What a step of a kind of light will cost.
+    pub fn step(&self, step: &str, kind: &str, done: &Done) -> Predicted {
+        let group = group(step, kind, done.keys().copied());
+        let cost = |operation: &str| {
+            let key = (group.clone(), operation.to_owned());
+            self.costs.get(&key).copied().unwrap_or(0.0)
+        };
+        let sum = done
+            .iter()
+            .map(|(operation, &times)| cost(operation) * times as f64);
+        let expected: f64 = sum.sum();
+        Predicted {
+            expected: expected.round() as u64,
+            at_most: (expected * (1.0 + self.error(step, kind, done).unwrap_or(0.0))).ceil() as u64,
+        }
+    }
+
+    /// What all steps will cost.
+    pub fn steps(&self, operations: &Operations) -> PredictedSteps {
+        let kind = operations.kind.as_str();
+        PredictedSteps {
+            load: self.step("load", kind, &operations.load),
+            direct: self.step("direct", kind, &operations.direct),
+            shoot: self.step("shoot", kind, &operations.shoot),
+            resample: self.step("resample", kind, &operations.resample),
+        }
+    }
+}
+
+impl PredictedSteps {
+    /// The sum of all steps.
+    pub fn total(&self) -> Predicted {
+        let all = [self.load, self.direct, self.shoot, self.resample];
+        Predicted {
+            expected: all.iter().map(|step| step.expected).sum(),
+            at_most: all.iter().map(|step| step.at_most).sum(),
+        }
+    }
+
+    /// Whether a run kept to what was predicted at most.
+    pub fn hold(&self, measured: &Steps) -> bool {
+        measured.load <= self.load.at_most
+            && measured.direct <= self.direct.at_most
+            && measured.shoot <= self.shoot.at_most
+            && measured.resample <= self.resample.at_most
+    }
+}
+
+/// Which costs a step has: direct light and shots are one program, another one for every
+/// kind of light; grids are others by cone than by fields, and in colour.
+pub fn group<'a>(step: &str, kind: &str, done: impl IntoIterator<Item = &'a str>) -> String {
+    let colour = if kind.ends_with("-rgb") { " rgb" } else { "" };
+    match step {
+        "direct" | "shoot" => format!("light {kind}"),
+        "resample" if done.into_iter().any(|operation| operation == "cone-sample") => {
+            format!("resample cone{colour}")
+        }
+        "resample" => format!("resample fields{colour}"),
+        step => step.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn costs_are_read_and_added() {
+        let model =
+            Model::read("step,operation,instructions\nlight x,pair,10\nlight x,error,0.5\n");
+        let done = Done::from([("pair", 7), ("loop", 3)]);
+        let predicted = model.step("shoot", "x", &done);
+        assert_eq!((predicted.expected, predicted.at_most), (70, 105));
+        assert_eq!(model.step("load", "x", &done).expected, 0);
+        assert_eq!(model.error("shoot", "x", &done), Some(0.5));
+        assert_eq!(model.error("load", "x", &done), None);
+        let operations = Operations {
+            kind: "constant".to_owned(),
+            ..Operations::default()
+        };
+        assert!(Model::committed().knows(&operations) && !model.knows(&operations));
+    }
+}
