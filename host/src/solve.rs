@@ -87,6 +87,17 @@ trait Lit: Send + Sync {
         })
     }
     fn radiosity(&self, emitter: usize) -> Channels;
+    /// Not for integers, whose units were chosen for what the luminaires emit.
+    fn set_radiance(&mut self, luminaire: usize, _: Channels) -> Result<(), Error> {
+        Err(Error::Unknown {
+            what: What::Luminaires,
+            asked: luminaire as u32,
+            have: 0,
+        })
+    }
+    fn update(&mut self, stop: Stop) -> Solved {
+        self.solve(stop)
+    }
     fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<Channels>, Error>;
     fn row(
         &self,
@@ -136,6 +147,13 @@ where
         }
     }
 
+    /// What surfaces were put together from is no more.
+    fn forget(&mut self) {
+        self.rooms
+            .iter_mut()
+            .for_each(|room| *room = OnceLock::new());
+    }
+
     /// A surface put together from its fields; `None` where it has none, or does
     /// not exist.
     fn reconstructed(
@@ -162,10 +180,18 @@ where
     L: Luminance<Colour: ToChannels>,
 {
     fn solve(&mut self, stop: Stop) -> Solved {
-        self.rooms
-            .iter_mut()
-            .for_each(|room| *room = OnceLock::new());
+        self.forget();
         self.light.solve(stop)
+    }
+
+    fn set_radiance(&mut self, luminaire: usize, radiance: Channels) -> Result<(), Error> {
+        let radiance = L::Colour::read(&radiance);
+        self.light.set_radiance(luminaire, radiance)
+    }
+
+    fn update(&mut self, stop: Stop) -> Solved {
+        self.forget();
+        self.light.update(stop)
     }
 
     fn channels(&self) -> usize {
@@ -350,6 +376,21 @@ impl Solution<'_> {
     /// Irradiance of every sample, in the order of the tables.
     pub fn irradiance(&self) -> Vec<Channels> {
         self.light.irradiance()
+    }
+
+    /// Sets the radiance of a luminaire, of those in the order of the scene; no light
+    /// changes before [`update`](Self::update).
+    ///
+    /// # Errors
+    /// Those of [`Light::set_radiance`]; [`Error::Unknown`] for tables in integers,
+    /// whose luminaires stay as they are.
+    pub fn set_radiance(&mut self, luminaire: usize, radiance: Channels) -> Result<(), Error> {
+        self.light.set_radiance(luminaire, radiance)
+    }
+
+    /// Shoots what has changed, until `stop`.
+    pub fn update(&mut self, stop: Stop) {
+        self.solved = self.light.update(stop);
     }
 
     /// Mean radiosity that an emitter has shot.

@@ -45,7 +45,8 @@ pub enum Error {
         /// Position of the record among its kind.
         record: u32,
     },
-    /// A number in the tables is not finite, or outside of its domain.
+    /// A number in the tables, or one of a caller's, is not finite or outside of its
+    /// domain.
     Number {
         /// Which records.
         what: What,
@@ -94,6 +95,8 @@ pub enum What {
     Samples,
     /// Emitters.
     Emitters,
+    /// Emitters that emit by themselves.
+    Luminaires,
     /// Loops of emitters.
     Loops,
     /// Vertices of loops.
@@ -157,6 +160,7 @@ impl fmt::Display for What {
             Self::Surfaces => "surfaces",
             Self::Samples => "samples",
             Self::Emitters => "emitters",
+            Self::Luminaires => "luminaires",
             Self::Loops => "loops",
             Self::Vertices => "vertices",
             Self::Reflectances => "reflectances",

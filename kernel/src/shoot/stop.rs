@@ -60,7 +60,14 @@ pub(crate) trait Shooting {
 /// Lights a scene from darkness until `stop`; the number of shots.
 #[inline]
 pub(crate) fn until(stop: Stop, light: &mut impl Shooting) -> u32 {
-    let mut shots = light.direct();
+    let direct = light.direct();
+    onwards(stop, direct, light)
+}
+
+/// Lights a scene that has seen so many `shots` until `stop`; the number of shots
+/// in all.
+#[inline]
+pub(crate) fn onwards(stop: Stop, mut shots: u32, light: &mut impl Shooting) -> u32 {
     match stop {
         Stop::Reflections(times) => {
             for _ in 0..times {

@@ -34,7 +34,7 @@ mod entries {
     };
     use isolux::geometry::{Plane, Receiver};
     use isolux::integers;
-    use isolux::luminance::{Constant, Linear};
+    use isolux::luminance::{Constant, Linear, Rgb};
     use isolux::number::{self, Root, SoftRoot};
     use isolux::resample::{self, Filtered, Reconstructed, Row, Stencils, Tensors};
     use isolux::scene::records::{self, Counts, Emitter, Surface};
@@ -66,6 +66,9 @@ mod entries {
     type BestLight<'t> = Light<'t, Best<Chosen>>;
     type LibmLight<'t> = Light<'t, Libm<Chosen>>;
     type CodedLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Linear<f32>, Codes>;
+
+    /// Reflectances that may change, in colour, past occluders.
+    type ColouredLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Linear<Rgb>, Workspace, 8>;
 
     type Workspace = Exact<8, 4, 24, 6>;
     type WithMeshes = Reconstructed<'static, 'static, Stencils<Chosen>, f32>;
@@ -221,6 +224,27 @@ mod entries {
         }
         fn isolux_entry_light_solve(light: &mut BestLight<'static>, stop: Stop) -> Solved {
             light.solve(stop)
+        }
+        fn isolux_entry_light_set_radiance(light: &mut BestLight<'static>, luminaire: usize, radiance: f32) -> Result<(), Error> {
+            light.set_radiance(luminaire, radiance)
+        }
+        fn isolux_entry_light_set_radiance_in_colour(light: &mut ColouredLight<'static>, luminaire: usize, radiance: Rgb) -> Result<(), Error> {
+            light.set_radiance(luminaire, radiance)
+        }
+        fn isolux_entry_light_set_reflectance(light: &mut ColouredLight<'static>, surface: usize, reflectance: Rgb) -> Result<(), Error> {
+            light.set_reflectance(surface, reflectance)
+        }
+        fn isolux_entry_light_radiance(light: &BestLight<'static>, luminaire: usize) -> f32 {
+            light.radiance(luminaire)
+        }
+        fn isolux_entry_light_update(light: &mut BestLight<'static>, stop: Stop) -> Solved {
+            light.update(stop)
+        }
+        fn isolux_entry_light_solve_in_colour(light: &mut ColouredLight<'static>, stop: Stop) -> Solved {
+            light.solve(stop)
+        }
+        fn isolux_entry_light_update_in_colour(light: &mut ColouredLight<'static>, stop: Stop) -> Solved {
+            light.update(stop)
         }
         fn isolux_entry_light_new_coded(scene: Scene<'static>) -> Result<CodedLight<'static>, Error> {
             CodedLight::new(scene)

@@ -1,0 +1,9 @@
+//! Light that changes on the device: radiances and reflectances are set, and the
+//! scene is lit on from what it was.
+
+#[path = "run_time/changes.rs"]
+mod changes;
+#[path = "run_time/refusals.rs"]
+mod refusals;
+#[path = "run_time/scenes.rs"]
+mod scenes;
