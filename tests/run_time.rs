@@ -3,6 +3,8 @@
 
 #[path = "run_time/changes.rs"]
 mod changes;
+#[path = "run_time/matrix.rs"]
+mod matrix;
 #[path = "run_time/refusals.rs"]
 mod refusals;
 #[path = "run_time/scenes.rs"]

@@ -151,6 +151,16 @@ pub enum What {
     Triangles,
     /// What samples contribute to nodes.
     Shares,
+    /// Named points.
+    Points,
+    /// Terms of the matrix.
+    Terms,
+    /// Bits of a term's factor.
+    Bits,
+    /// Scales of terms or responses.
+    Scales,
+    /// What samples receive of a luminaire's light, reflected light included.
+    Responses,
 }
 
 impl fmt::Display for What {
@@ -188,6 +198,11 @@ impl fmt::Display for What {
             Self::Nodes => "nodes",
             Self::Triangles => "triangles",
             Self::Shares => "shares",
+            Self::Points => "named points",
+            Self::Terms => "terms of the matrix",
+            Self::Bits => "bits of a term",
+            Self::Scales => "scales",
+            Self::Responses => "responses",
         })
     }
 }

@@ -204,6 +204,24 @@ where
         &self.irradiance
     }
 
+    /// The irradiance at a named point of the scene file in W m⁻², by its index there:
+    /// a sample that is kept beside the surfaces', so that it takes no time. Not
+    /// below 0.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] where there is no such point.
+    pub fn point(&self, index: usize) -> Result<L::Colour, Error> {
+        let points = self.scene.points();
+        let sample = points.get(index).map(|point| point.first_sample as usize);
+        let found = sample.and_then(|sample| self.irradiance.get(sample));
+        let lit = |value: f32| if value > 0.0 { value } else { 0.0 };
+        found.map(|value| value.map(lit)).ok_or(Error::Unknown {
+            what: What::Points,
+            asked: index as u32,
+            have: points.len() as u32,
+        })
+    }
+
     /// Takes all light away. Luminaires keep their radiances: they have not shot.
     pub fn darken(&mut self) {
         self.irradiance.fill(L::Colour::DARK);
@@ -334,11 +352,11 @@ where
         state.shot = state.shot.zip(radiosity, Colour::plus);
         let is_luminaire = scene.is_luminaire(index);
         let mut next = 0_u32;
-        for (number, surface) in (0_u32..).zip(scene.surfaces()) {
+        for (number, surface) in (0_u32..).zip(scene.receiving()) {
             let samples = scene.receivers(surface, is_luminaire);
             let first = next;
             next = next.saturating_add(samples.len() as u32);
-            if number == emitter.surface {
+            if number == emitter.surface && !V::is_in_the_end(&scene) {
                 continue; // a planar polygon does not light its own plane
             }
             self.form_factors = self.form_factors.saturating_add(samples.len() as u32);
@@ -390,5 +408,12 @@ where
         };
         self.settle(index);
         self.send(index)
+    }
+
+    fn shoot_some(&mut self, fraction: f32, most: u32) -> u32 {
+        match V::sweeps(&self.scene) {
+            true => self.sweep(fraction, most),
+            false => u32::from(self.shoot_above(fraction)),
+        }
     }
 }

@@ -156,6 +156,14 @@ fn transfer(counts: &Counts, sight: &Sight) -> Result<[String; 2], String> {
     } = sight;
     match rung.as_str() {
         // What is seen is in the tables.
+        _ if counts.responses > 0 => Ok(["transfer::Vectors"; 2].map(str::to_owned)),
+        _ if counts.terms > 0 => {
+            let bits = counts.bits;
+            Ok([
+                format!("transfer::Matrix<{bits}>"),
+                format!("transfer::Matrix::<{bits}>"),
+            ])
+        }
         _ if counts.is_coded() => Ok(["transfer::Codes"; 2].map(str::to_owned)),
         _ if counts.occluders == 0 => Ok(["visibility::Unoccluded"; 2].map(str::to_owned)),
         "exact" => Ok([

@@ -28,6 +28,17 @@ impl Planned {
         bake::bake_coded(&self.scene, &self.plan, self.occlusion.clone()).expect("tables")
     }
 
+    /// Its tables with terms in place of occluders.
+    pub(crate) fn matrix(&self, bits: u32) -> Tables {
+        let occlusion = self.occlusion.clone();
+        bake::bake_matrix(&self.scene, &self.plan, occlusion, bits).expect("tables")
+    }
+
+    /// Its tables with responses in place of all that reflects.
+    pub(crate) fn vectors(&self) -> Tables {
+        bake::bake_vectors(&self.scene, &self.plan, self.occlusion.clone()).expect("tables")
+    }
+
     /// The same plan for a scene whose luminaires have these times their radiances.
     pub(crate) fn dimmed(&self, times: &[f64]) -> Self {
         let mut scene = self.scene.clone();

@@ -77,7 +77,8 @@ where
     ///
     /// # Errors
     /// [`Error::Capacity`] where this type keeps the reflectances that were baked;
-    /// [`Error::Unknown`] where there is no such surface; [`Error::Number`] unless
+    /// [`Error::Unknown`] for [`Vectors`](crate::transfer::Vectors), which hold for
+    /// these alone, and where there is no such surface; [`Error::Number`] unless
     /// 0 ≤ ρ < 1 in every channel. The reflectance is then what it was.
     pub fn set_reflectance(&mut self, surface: usize, reflectance: L::Colour) -> Result<(), Error> {
         let (asked, have) = (surface as u32, self.scene.counts().surfaces);
@@ -87,6 +88,13 @@ where
             return Err(Error::Capacity {
                 what,
                 needed,
+                have: 0,
+            });
+        }
+        if V::is_in_the_end(&self.scene) {
+            return Err(Error::Unknown {
+                what: What::Reflectances,
+                asked,
                 have: 0,
             });
         }

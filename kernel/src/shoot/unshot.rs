@@ -6,10 +6,16 @@ use crate::luminance::{Colour, Luminance};
 use crate::scene::BRIGHTEST;
 use crate::transfer::Transfer;
 
+/// A power of two that changes no digit of a fraction keeps the largest powers
+/// finite: 1e21 W m⁻² from 1e17 m² of 65 536 emitters.
+const SCALE: f32 = 1.0 / (1 << 24) as f32;
+
 /// What has not been shot.
 pub(super) struct Left {
     /// Its power as a fraction of the emitted power.
     pub(super) fraction: f32,
+    /// The emitted power, [`SCALE`]d.
+    emitted: f32,
     /// The emitter that has most of it; `None` where nothing is left.
     pub(super) brightest: Option<usize>,
 }
@@ -29,9 +35,6 @@ where
 
     /// What has not been shot.
     pub(super) fn left(&self) -> Left {
-        // A power of two that changes no digit of the fraction keeps the
-        // largest powers finite: 1e21 W m⁻² from 1e17 m² of 65 536 emitters.
-        const SCALE: f32 = 1.0 / (1 << 24) as f32;
         let (mut unshot, mut emitted, mut most) = (0.0, 0.0, 0.0);
         let mut brightest = None;
         for (index, emitter) in self.scene.emitters().iter().enumerate() {
@@ -49,8 +52,37 @@ where
                 (true, _) => unshot / emitted,
                 (false, left) => f32::from(u8::from(left)),
             },
+            emitted,
             brightest,
         }
+    }
+
+    /// Lets every emitter shoot in turn, what has reached it up to then, but for those
+    /// whose part in what is unshot may stay: if none has more, all of it is below half
+    /// of the fraction. The number of shots, at most `most`; 0 once it is below the
+    /// fraction.
+    pub(super) fn sweep(&mut self, fraction: f32, most: u32) -> u32 {
+        let left = self.left();
+        if left.fraction <= fraction {
+            return 0;
+        }
+        let emitters = self.emitters.len();
+        let least = 0.5 * fraction * left.emitted / emitters as f32;
+        let mut shots = 0_u32;
+        for (index, emitter) in self.scene.emitters().iter().enumerate() {
+            if shots >= most {
+                break;
+            }
+            self.settle(index);
+            let pending = self.emitters.get(index).map(|state| {
+                let pending = state.due.mean().zip(state.shot.mean(), held);
+                L::strength(pending)
+            });
+            if pending.unwrap_or(0.0) * SCALE * emitter.area > least {
+                shots = shots.saturating_add(u32::from(self.send(index)));
+            }
+        }
+        shots
     }
 
     /// What an emitter is to have shot becomes what its samples receive now makes it
