@@ -7,6 +7,8 @@ mod coded;
 mod endurance;
 #[path = "tables/energy.rs"]
 mod energy;
+#[path = "tables/fuzz.rs"]
+mod fuzz;
 #[path = "tables/integers.rs"]
 mod integers;
 #[path = "tables/mutation.rs"]

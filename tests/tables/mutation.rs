@@ -147,7 +147,8 @@ fn use_it<A: Arithmetic<f32>>(scene: Scene<'_>, case: u64) {
     }
 }
 
-fn setting(name: &str, default: u64) -> u64 {
+/// A number from the environment.
+pub(crate) fn setting(name: &str, default: u64) -> u64 {
     std::env::var(name).map_or(default, |text| text.parse().expect(name))
 }
 

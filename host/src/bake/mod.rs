@@ -1,18 +1,24 @@
 //! A plan becomes tables: the bytes that the kernel reads in place from flash.
 //!
 //! The format is specified with [`isolux::scene`]. Baking the same plan twice
-//! gives the same bytes.
+//! gives the same bytes. Beside them goes a Rust [`source`] with the types and
+//! constants that a firmware needs.
 
 mod codes;
 mod content;
 mod fields;
 pub mod integers;
 mod matrix;
+mod names;
 mod room;
+mod source;
 mod survey;
 mod vectors;
 mod writing;
 mod written;
+
+pub use names::Names;
+pub use source::{Described, source};
 
 use crate::occlusion::Occlusion;
 use crate::plan::Plan;

@@ -3,6 +3,7 @@
 //! stdout carries the answer alone; progress and complaints go to stderr. Exit
 //! codes: 0 done, 1 a stated limit or comparison failed, 2 bad usage or input.
 
+mod bake;
 mod check;
 mod choice;
 mod device;
@@ -11,6 +12,7 @@ mod form_factor;
 mod pipeline;
 mod plan;
 mod render;
+mod sheet;
 mod solve;
 mod trade;
 
@@ -39,6 +41,8 @@ enum Command {
     Check(check::Arguments),
     /// Place the samples of a scene within its budget, and write them down.
     Plan(plan::Arguments),
+    /// Bake a scene for a firmware of your own: tables, Rust source, budget sheet.
+    Bake(bake::Arguments),
     /// Plan, solve and judge a scene; draw pictures and the error table.
     Render(render::Arguments),
     /// Irradiance at points, evaluated by the kernel.
@@ -102,6 +106,7 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
         None => render::run(&render::Arguments::of_the_paper(), json),
         Some(Command::Check(arguments)) => check::run(&arguments, json),
         Some(Command::Plan(arguments)) => plan::run(&arguments, json),
+        Some(Command::Bake(arguments)) => bake::run(&arguments, json),
         Some(Command::Render(arguments)) => render::run(&arguments, json),
         Some(Command::Solve(arguments)) => solve::run(&arguments, json),
         Some(Command::FormFactor(arguments)) => form_factor::run(&arguments, json),

@@ -1,18 +1,19 @@
 //! `isolux plan`: the samples of a scene within its budget, as a file.
 
 mod search;
-mod sheet;
 
 use super::SceneArgument;
 use super::choice::RungArguments;
 use super::failure::Failure;
 use super::pipeline;
+use super::sheet::Sheet;
 use crate::plan::file;
 use crate::report::write_file;
 use crate::scene::Rungs;
 use crate::scene::settings::parse_bytes;
 use clap::Args;
 use search::Wishes;
+use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -64,6 +65,13 @@ fn percent(text: &str) -> Result<f64, String> {
     }
 }
 
+#[derive(Serialize)]
+struct Written {
+    #[serde(flatten)]
+    sheet: Sheet,
+    file: String,
+}
+
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     let scene = pipeline::read(&arguments.scene.scene)?;
     writable(&arguments.output)?;
@@ -84,13 +92,15 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     };
     let text = file::text(&planned.scene, &rungs, &planned.plan);
     write_file(&arguments.output, text.as_bytes()).map_err(|error| Failure::usage(error, ""))?;
-    let sheet = sheet::Sheet::of(&found, &arguments.output);
+    let sheet = Sheet::of(planned)?;
+    let file = arguments.output.display().to_string();
     let mut out = std::io::stdout().lock();
     if json {
-        serde_json::to_writer(&mut out, &sheet).map_err(std::io::Error::from)?;
+        let written = Written { sheet, file };
+        serde_json::to_writer(&mut out, &written).map_err(std::io::Error::from)?;
         writeln!(out)?;
     } else {
-        write!(out, "{}", sheet.in_words())?;
+        writeln!(out, "{}wrote {file}", sheet.in_words())?;
     }
     out.flush()?;
     Ok(())

@@ -11,13 +11,17 @@ use std::process::{Command, Stdio};
 use fs4::FileExt;
 use isolux::shoot::Stop;
 
+use crate::bake::{Described, Names, source};
+use crate::report::write_file;
+use crate::solve::{FormFactorRung, Sight};
+
 use super::Job;
 use super::emulator::{Core, PROGRAM};
 use super::error::Error;
 
 /// The package of the firmware.
 const PACKAGE: &str = "isolux-firmware";
-/// The profile it is built with.
+/// The profile it is built with where none is named.
 const PROFILE: &str = "firmware";
 /// Variables of the caller's environment that would change the firmware's code,
 /// by the beginning of their names: flags, linkers and profiles, also those of
@@ -41,15 +45,19 @@ pub(crate) struct Variant {
     pub(crate) wrong_bit: bool,
 }
 
-/// A program of the firmware's package, and how it is built.
+/// A program for the device, and how it is built.
 #[derive(Clone, Copy, Debug)]
 pub struct Build<'a> {
+    /// The package it belongs to.
+    pub package: &'a str,
     /// The program.
     pub program: &'a str,
     /// Features of the package.
     pub features: &'a [&'a str],
     /// Without the package's default features: with those named and no other.
     pub bare: bool,
+    /// The profile of the workspace it is built with.
+    pub profile: &'a str,
     /// What its build script reads.
     pub environment: &'a [(&'a str, &'a OsStr)],
 }
@@ -59,9 +67,11 @@ impl<'a> Build<'a> {
     #[must_use]
     pub fn of(program: &'a str) -> Self {
         Self {
+            package: PACKAGE,
             program,
             features: &[],
             bare: false,
+            profile: PROFILE,
             environment: &[],
         }
     }
@@ -153,8 +163,7 @@ impl Toolchain {
             })
     }
 
-    /// Links a program of the firmware's package and copies it to
-    /// `destination`.
+    /// Links a program and copies it to `destination`.
     ///
     /// Runs at the same time wait for each other: they share the target
     /// directory, and the next build overwrites the program.
@@ -179,8 +188,8 @@ impl Toolchain {
         }
         let built = cargo
             .current_dir(&self.workspace)
-            .args(["--quiet", "--package", PACKAGE, "--bin", binary])
-            .args(["--target", core.target(), "--profile", PROFILE])
+            .args(["--quiet", "--package", build.package, "--bin", binary])
+            .args(["--target", core.target(), "--profile", build.profile])
             .args(["--features", &build.features.join(",")])
             .env("CARGO_TARGET_DIR", &directory)
             // Of all places where flags may stand cargo asks this one first.
@@ -199,7 +208,10 @@ impl Toolchain {
                 output: String::from_utf8_lossy(&built.stderr).trim().to_owned(),
             });
         }
-        let program = directory.join(core.target()).join(PROFILE).join(binary);
+        let program = directory
+            .join(core.target())
+            .join(build.profile)
+            .join(binary);
         fs::copy(&program, destination)
             .map_err(Error::io(format!("copying {}", program.display())))?;
         Ok(())
@@ -213,7 +225,6 @@ impl Toolchain {
         variant: Variant,
         destination: &Path,
     ) -> Result<(), Error> {
-        let tables = keep(&self.directory().join("tables"), job.tables)?;
         let mut features: Vec<&str> = Vec::new();
         if variant.software_root {
             features.push("software-root");
@@ -221,18 +232,29 @@ impl Toolchain {
         if variant.wrong_bit {
             features.push("wrong-bit");
         }
+        self.link_job("firmware", &features, job, core, destination)
+    }
+
+    /// Links a program of the firmware's package for a job.
+    pub(crate) fn link_job(
+        &self,
+        program: &str,
+        features: &[&str],
+        job: &Job<'_>,
+        core: Core,
+        destination: &Path,
+    ) -> Result<(), Error> {
+        let baked = keep(&self.directory().join("tables"), job)?;
         let words = [
             ("ISOLUX_RESOLUTION", job.resolution.to_string()),
-            ("ISOLUX_ARITHMETIC", job.arithmetic.to_owned()),
-            ("ISOLUX_VISIBILITY", job.visibility.to_owned()),
             ("ISOLUX_STOP", stop(job.stop)),
         ];
-        let mut environment = vec![("ISOLUX_TABLES", tables.as_os_str())];
+        let mut environment = vec![("ISOLUX_BAKED", baked.as_os_str())];
         environment.extend(words.iter().map(|(name, word)| (*name, OsStr::new(word))));
         let build = Build {
-            features: &features,
+            features,
             environment: &environment,
-            ..Build::of("firmware")
+            ..Build::of(program)
         };
         self.link(core, &build, destination)
     }
@@ -268,25 +290,40 @@ fn answer(command: &mut Command) -> Option<String> {
         .then(|| String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Writes the tables under a name of their content, so that a scene that has
-/// not changed is not built again.
-fn keep(directory: &Path, tables: &[u8]) -> Result<PathBuf, Error> {
+/// Writes the tables, and the source beside them, under a name of their content, so
+/// that a scene that has not changed is not built again. Gives the source's path.
+fn keep(directory: &Path, job: &Job<'_>) -> Result<PathBuf, Error> {
     fs::create_dir_all(directory)
         .map_err(Error::io(format!("creating {}", directory.display())))?;
     let mut hasher = DefaultHasher::new();
-    tables.hash(&mut hasher);
-    let path = directory.join(format!("{:016x}.bin", hasher.finish()));
-    if fs::read(&path).is_ok_and(|kept| kept == tables) {
-        return Ok(path);
+    (job.tables, job.arithmetic, job.visibility).hash(&mut hasher);
+    let name = format!("{:016x}", hasher.finish());
+    let tables = format!("{name}.isolux");
+    let unknown = |what: &str| Error::Program {
+        what: format!("the firmware does not know {what}"),
+    };
+    let source = source(&Described {
+        scene: job.scene,
+        tables: job.tables,
+        file: &tables,
+        arithmetic: FormFactorRung::named(job.arithmetic).ok_or_else(|| unknown(job.arithmetic))?,
+        sight: Sight::named(job.visibility).ok_or_else(|| unknown(job.visibility))?,
+        names: &Names::default(),
+    });
+    let source = source.ok_or_else(|| unknown("tables that are shorter than their head"))?;
+    put(directory, &tables, job.tables)?;
+    put(directory, &format!("{name}.rs"), source.as_bytes())
+}
+
+/// Writes a file unless it is there already.
+fn put(directory: &Path, name: &str, bytes: &[u8]) -> Result<PathBuf, Error> {
+    let path = directory.join(name);
+    if !fs::read(&path).is_ok_and(|kept| kept == bytes) {
+        write_file(&path, bytes).map_err(|error| Error::Io {
+            doing: format!("writing {}", path.display()),
+            source: error.source,
+        })?;
     }
-    // Written aside and renamed: another run never sees half of it.
-    let aside = tempfile::NamedTempFile::new_in(directory)
-        .map_err(Error::io(format!("writing into {}", directory.display())))?;
-    fs::write(aside.path(), tables)
-        .map_err(Error::io(format!("writing {}", aside.path().display())))?;
-    aside
-        .persist(&path)
-        .map_err(|error| Error::io(format!("writing {}", path.display()))(error.error))?;
     Ok(path)
 }
 

@@ -23,6 +23,7 @@ mod flash;
 mod hash;
 mod log;
 mod measured;
+mod relit;
 mod size;
 pub mod stack;
 mod trace;
@@ -34,6 +35,7 @@ pub use firmware::{Build, Toolchain};
 pub use flash::{Extent, Flash, flash};
 pub use hash::{Hashed, hashes};
 pub use measured::{Allowed, Difference, Measured, Skipped, Steps, Target};
+pub use relit::{Relit, messages, relit};
 pub use trace::{Traced, traces};
 
 use std::fs;

@@ -8,8 +8,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::error::Error;
 
-/// The symbol of the baked tables in the firmware.
-const TABLES: &str = "ISOLUX_TABLES";
+/// The baked tables among the symbols of a firmware: `baked::TABLES`, each word with
+/// its length before it.
+const TABLES: &str = "5baked6TABLES";
 
 /// The bytes a linked program takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,10 +48,10 @@ pub(crate) fn of(program: &[u8]) -> Result<Sizes, Error> {
     }
     sizes.tables = elf
         .symbols()
-        .find(|symbol| symbol.name() == Ok(TABLES))
+        .find(|symbol| symbol.name().is_ok_and(|name| name.contains(TABLES)))
         .map(|symbol| symbol.size())
         .ok_or_else(|| Error::Program {
-            what: format!("no symbol {TABLES}"),
+            what: "no symbol `baked::TABLES`".to_owned(),
         })?;
     Ok(sizes)
 }

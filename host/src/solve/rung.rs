@@ -245,4 +245,10 @@ impl Sight {
             Self::Exact => "exact",
         }
     }
+
+    /// The rung of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        let all = [Self::None, Self::VertexRays, Self::Exact];
+        all.into_iter().find(|sight| sight.name() == name)
+    }
 }

@@ -6,8 +6,9 @@ use isolux::shoot::{Solved, Stop};
 use semihosting::process;
 
 use crate::clock::Clock;
-use crate::job::{self, ISOLUX_TABLES, RESOLUTION};
-use crate::kernel::{self, DARK, EMPTY, Light, ROOM, Scene, Value, WORDS};
+use crate::job::baked::{self, ROOM, TABLES};
+use crate::job::{self, RESOLUTION};
+use crate::kernel::{self, DARK, Light, Value, WORDS};
 use crate::meter::{Cost, Meter};
 
 /// Rounding mode, flush to zero and default NaN in FPSCR: all must be 0, or the
@@ -22,7 +23,7 @@ const FPSCR_MODES: u32 = 0x03c0_0000;
 #[inline(never)]
 #[unsafe(no_mangle)]
 fn isolux_step_load(light: &mut Light) -> Result<(), Error> {
-    light.enter(Scene::load(&ISOLUX_TABLES.0)?)
+    light.enter(baked::load()?)
 }
 
 /// Direct light alone.
@@ -89,9 +90,9 @@ impl From<Error> for Failure {
 }
 
 fn run() -> Result<(), Failure> {
-    if ISOLUX_TABLES.0.is_empty() {
+    if TABLES.0.is_empty() {
         return Err(Failure::Because(
-            "built without tables: set ISOLUX_TABLES, as `isolux device SCENE` does",
+            "built without tables: set ISOLUX_BAKED, as `isolux device SCENE` does",
         ));
     }
     #[cfg(target_abi = "eabihf")]
@@ -104,7 +105,7 @@ fn run() -> Result<(), Failure> {
     let Some(peripherals) = cortex_m::Peripherals::take() else {
         return Err(twice);
     };
-    let Some(light) = singleton!(: Light = EMPTY) else {
+    let Some(light) = singleton!(: Light = baked::DARK) else {
         return Err(twice);
     };
     let Some(row) = singleton!(: [Value; RESOLUTION] = [DARK; RESOLUTION]) else {

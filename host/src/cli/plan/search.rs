@@ -5,7 +5,6 @@ use crate::cli::failure::Failure;
 use crate::cli::pipeline::{self, Planned};
 use crate::report::percent;
 use crate::scene::{Budget, Scene};
-use isolux::budget;
 
 /// What is wished for; `None` is no limit.
 #[derive(Clone, Copy, Debug)]
@@ -23,14 +22,10 @@ pub(super) struct Wishes {
 /// A plan and what it takes.
 pub(super) struct Found {
     pub(super) planned: Planned,
-    /// Bytes of RAM of light and visibility's workspace.
-    pub(super) state: usize,
-    /// Bytes of the workspace alone.
-    pub(super) workspace: usize,
-    /// Bytes of RAM in which surfaces are reconstructed.
-    pub(super) room: usize,
+    /// Bytes of RAM of the kernel's state.
+    ram: usize,
     /// Predicted error, relative.
-    pub(super) error: Option<f64>,
+    error: Option<f64>,
 }
 
 /// A search ends where the number of samples is known to one part in so many.
@@ -46,27 +41,24 @@ const SIXTEENTHS: u64 = 16;
 
 impl Found {
     fn of(planned: Planned) -> Result<Self, Failure> {
-        let (state, sight) = planned.ram()?;
-        let room = budget::room_bytes(&planned.tables.counts);
+        let (ram, _) = planned.ram()?;
         let areas = planned.scene.surfaces.iter().map(|surface| surface.area);
         Ok(Self {
-            state: state - room,
-            workspace: budget::sight_bytes(&sight),
-            room,
+            ram,
             error: planned.plan.predicted_error(areas),
             planned,
         })
     }
 
-    pub(super) fn samples(&self) -> u64 {
+    fn samples(&self) -> u64 {
         self.planned.plan.samples() as u64
     }
 
-    pub(super) fn ram(&self) -> u64 {
-        (self.state + self.room) as u64
+    fn ram(&self) -> u64 {
+        self.ram as u64
     }
 
-    pub(super) fn flash(&self) -> u64 {
+    fn flash(&self) -> u64 {
         self.planned.tables.bytes().len() as u64
     }
 

@@ -1,14 +1,15 @@
-//! What a plan holds, costs and is predicted to err by.
+//! The budget sheet: what a planned scene holds, costs and is predicted to err by.
 
-use super::search::Found;
+use super::failure::Failure;
+use super::pipeline::Planned;
 use crate::plan::{SurfacePlan, Tag};
 use crate::report::percent;
+use isolux::budget;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::Path;
 
-/// The budget sheet of a plan.
-#[derive(Serialize)]
+/// The budget sheet of a planned scene.
+#[derive(Clone, Serialize)]
 pub(super) struct Sheet {
     scene: String,
     rungs: RungNames,
@@ -27,10 +28,9 @@ pub(super) struct Sheet {
     /// In percent; `null` where the planner made no prediction.
     predicted_error: Option<f64>,
     surfaces: Vec<OfSurface>,
-    file: String,
 }
 
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 struct RungNames {
     arithmetic: &'static str,
     visibility: &'static str,
@@ -40,7 +40,7 @@ struct RungNames {
     reconstruction: &'static str,
 }
 
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 struct OfSurface {
     name: String,
     samples: usize,
@@ -48,11 +48,33 @@ struct OfSurface {
     free_samples: usize,
     emitters: usize,
     predicted_error: Option<f64>,
+    /// The same of every part of its light.
+    parts: Vec<OfPart>,
+}
+
+#[derive(Clone, Serialize)]
+struct OfPart {
+    part: &'static str,
+    /// In percent of all light there.
+    error: f64,
+    /// The area in m² that it is the mean over.
+    area: f64,
 }
 
 impl Sheet {
-    pub(super) fn of(found: &Found, file: &Path) -> Self {
-        let planned = &found.planned;
+    /// The sheet of a planned scene.
+    ///
+    /// # Errors
+    /// Where the kernel does not take its tables.
+    pub(super) fn of(planned: &Planned) -> Result<Self, Failure> {
+        let (ram, sight) = planned.ram()?;
+        let workspace = budget::sight_bytes(&sight);
+        let room = match planned.rung.is_integer() {
+            true => 0,
+            false => budget::room_bytes(&planned.tables.counts),
+        };
+        let areas = planned.scene.surfaces.iter().map(|surface| surface.area);
+        let error = planned.plan.predicted_error(areas);
         let (scene, plan) = (&planned.scene, &planned.plan);
         let counts = &planned.tables.counts;
         let surfaces = scene.surfaces.iter().zip(&plan.surfaces);
@@ -66,8 +88,9 @@ impl Sheet {
             predicted_error: planned
                 .predicted_error(surface.area)
                 .map(|error| 100.0 * error),
+            parts: parts(planned),
         };
-        Self {
+        Ok(Self {
             scene: scene.name.clone(),
             rungs: RungNames {
                 arithmetic: planned.rung.name(),
@@ -81,15 +104,14 @@ impl Sheet {
             free_samples: plan.free_samples(),
             luminaires: counts.luminaires as usize,
             emitters: counts.emitters.saturating_sub(counts.luminaires) as usize,
-            ram_bytes: found.ram(),
-            light_bytes: found.state - found.workspace,
-            workspace_bytes: found.workspace,
-            room_bytes: found.room,
-            table_bytes: found.flash(),
-            predicted_error: found.error.map(|error| 100.0 * error),
+            ram_bytes: ram as u64,
+            light_bytes: ram - workspace - room,
+            workspace_bytes: workspace,
+            room_bytes: room,
+            table_bytes: planned.tables.bytes().len() as u64,
+            predicted_error: error.map(|error| 100.0 * error),
             surfaces: looked_at.map(of_surface).collect(),
-            file: file.display().to_string(),
-        }
+        })
     }
 
     pub(super) fn in_words(&self) -> String {
@@ -145,8 +167,75 @@ impl Sheet {
                 surface.emitters,
             );
         }
-        text + &format!("wrote {}\n", self.file)
+        text
     }
+
+    /// The sheet as Markdown.
+    pub(super) fn in_markdown(&self) -> String {
+        let rungs = &self.rungs;
+        let mut text = format!(
+            "# Budget sheet of `{}`\n\n\
+             {} samples, {} values that are free, {} emitters beside {} luminaires; arithmetic `{}`, \
+             visibility `{}`, emitters `{}`, transfer `{}`, placement `{}`, reconstruction `{}`.\n\n",
+            self.scene,
+            self.samples,
+            self.free_samples,
+            self.emitters,
+            self.luminaires,
+            rungs.arithmetic,
+            rungs.visibility,
+            rungs.emitters,
+            rungs.transfer,
+            rungs.placement,
+            rungs.reconstruction
+        );
+        text += "| bytes | |\n| --- | ---: |\n";
+        for (what, bytes) in [
+            ("RAM: light", self.light_bytes as u64),
+            ("RAM: workspace of visibility", self.workspace_bytes as u64),
+            ("RAM: room to reconstruct in", self.room_bytes as u64),
+            ("RAM in all", self.ram_bytes),
+            ("flash: tables", self.table_bytes),
+        ] {
+            text += &format!("| {what} | {bytes} |\n");
+        }
+        let error = |error: Option<f64>| error.map_or("-".to_owned(), percent);
+        text += &format!(
+            "\nPredicted error in percent, relative, the root of the mean square: {} on all \
+             surfaces together.\n\n\
+             | surface | samples | free | emitters | error | by part |\n\
+             | --- | ---: | ---: | ---: | ---: | --- |\n",
+            error(self.predicted_error)
+        );
+        for surface in &self.surfaces {
+            let parts = surface.parts.iter();
+            let parts: Vec<String> = parts
+                .map(|part| format!("{} {}", part.part, percent(part.error)))
+                .collect();
+            let tags = surface.by_tag.iter();
+            let tags: Vec<String> = tags.map(|(tag, count)| format!("{count} {tag}")).collect();
+            text += &format!(
+                "| {} | {} ({}) | {} | {} | {} | {} |\n",
+                surface.name.replace('|', "\\|"),
+                surface.samples,
+                tags.join(", "),
+                surface.free_samples,
+                surface.emitters,
+                error(surface.predicted_error),
+                parts.join(", ")
+            );
+        }
+        text
+    }
+}
+
+fn parts(planned: &SurfacePlan) -> Vec<OfPart> {
+    let of = |part: &crate::plan::Predicted| OfPart {
+        part: part.part.name(),
+        error: 100.0 * part.rms,
+        area: part.area,
+    };
+    planned.predicted.iter().map(of).collect()
 }
 
 fn by_tag(planned: &SurfacePlan) -> BTreeMap<&'static str, usize> {
