@@ -64,7 +64,7 @@ fn errors(planned: &Planned, tables: &Tables) -> Errors {
 
 #[test]
 fn terms_err_by_what_their_bits_allow() {
-    for (name, planned) in [("office", scenes::office()), ("box", scenes::coloured())] {
+    for (name, planned) in [("office", scenes::finer()), ("box", scenes::coloured())] {
         let show = |how: &str, tables: &Tables| {
             let found = errors(planned, tables);
             println!(

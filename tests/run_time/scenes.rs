@@ -141,6 +141,12 @@ pub(crate) fn office() -> &'static Planned {
     OFFICE.get_or_init(|| patches(shipped::OFFICE, 400))
 }
 
+/// The office in as many samples as its budget allows.
+pub(crate) fn finer() -> &'static Planned {
+    static OFFICE: OnceLock<Planned> = OnceLock::new();
+    OFFICE.get_or_init(|| patches(shipped::OFFICE, 800))
+}
+
 /// The box with coloured walls in few patches.
 pub(crate) fn coloured() -> &'static Planned {
     static CORNELL: OnceLock<Planned> = OnceLock::new();

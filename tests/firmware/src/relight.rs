@@ -5,12 +5,15 @@
 #![cfg_attr(target_os = "none", no_main)]
 
 #[cfg(target_os = "none")]
+#[allow(dead_code, reason = "the firmware takes the rest")]
 mod clock;
 #[cfg(target_os = "none")]
 mod ending;
 #[cfg(target_os = "none")]
+#[allow(dead_code, reason = "the firmware takes the rest")]
 mod job;
 #[cfg(target_os = "none")]
+#[allow(dead_code, reason = "the firmware takes the rest")]
 mod meter;
 #[cfg(all(target_os = "none", not(integer_tables)))]
 mod relight_target;
