@@ -9,6 +9,7 @@ mod control;
 #[path = "office-node/src/node.rs"]
 mod node;
 #[path = "command_line/program.rs"]
+#[allow(dead_code, reason = "the command line's tests use the rest")]
 mod program;
 
 use control::{DESKS, LUMINAIRES, Response, is_enough, levels, lit};
@@ -106,7 +107,16 @@ impl Office for OnHost<'_> {
 
 /// Bakes the office as the example says.
 fn baked(directory: &Path) -> Vec<u32> {
-    let arguments = ["bake", "office", "--transfer", "vectors", "-o", "office"];
+    let arguments = [
+        "bake",
+        "office",
+        "--placement",
+        "isolux",
+        "--transfer",
+        "vectors",
+        "-o",
+        "office",
+    ];
     let ran = isolux(&arguments, directory, "");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let bytes = fs::read(directory.join("office/office.isolux")).expect("tables");

@@ -2,6 +2,7 @@
 //! scene is lit on from what it was.
 
 #[path = "command_line/program.rs"]
+#[allow(dead_code, reason = "the command line's tests use the rest")]
 mod program;
 
 #[path = "run_time/changes.rs"]

@@ -20,7 +20,16 @@ const STOP: Stop = Stop::below(0.001);
 /// The tables of the shipped office, as the program bakes them.
 fn office(transfer: &str) -> Vec<u32> {
     let directory = tempfile::tempdir().expect("a directory");
-    let arguments = ["bake", "office", "--transfer", transfer, "-o", "office"];
+    let arguments = [
+        "bake",
+        "office",
+        "--placement",
+        "isolux",
+        "--transfer",
+        transfer,
+        "-o",
+        "office",
+    ];
     let ran = isolux(&arguments, directory.path(), "");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let bytes = fs::read(directory.path().join("office/office.isolux")).expect("tables");
@@ -31,7 +40,7 @@ fn office(transfer: &str) -> Vec<u32> {
 /// The host's bits after the same steps.
 fn expected<L: Luminance<Colour = f32>, V: Transfer + Default>(tables: &[u8]) -> Vec<u32> {
     let scene = Scene::load(tables).expect("sound tables");
-    type Room<'t, L, V> = Light<'t, Best<HostRoot>, 1024, 256, L, V>;
+    type Room<'t, L, V> = Light<'t, Best<HostRoot>, 1024, 128, L, V>;
     let mut light = Box::new(Room::<L, V>::new(scene).expect("room"));
     light.solve(STOP);
     light

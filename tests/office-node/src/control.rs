@@ -18,6 +18,9 @@ pub(crate) const LUMINAIRES: usize = 4;
 /// Desks.
 pub(crate) const DESKS: usize = 4;
 
+/// What a level that is nothing, or all, may be off by.
+const ROUNDING: f32 = 1e-5;
+
 /// What each luminaire, alone and at full power, brings to each desk, in lx.
 pub(crate) type Response = [[f32; LUMINAIRES]; DESKS];
 
@@ -68,7 +71,7 @@ pub(crate) fn lit(row: &[f32; LUMINAIRES], levels: &[f32; LUMINAIRES]) -> f32 {
     row.iter().zip(levels).map(|(r, x)| r * x).sum()
 }
 
-/// A row of four equations with its right side.
+/// One of four equations, with its right side.
 type Equation = [f32; LUMINAIRES + 1];
 
 /// The levels at which the chosen conditions hold with equality; `None` where no
@@ -80,15 +83,11 @@ fn corner(response: &Response, needed: &[f32; DESKS], chosen: u32) -> Option<[f3
         *rows.next()? = equation(response, needed, condition)?;
     }
     let levels = solved(system)?;
-    let within = |&level: &f32| (-1e-5..=1.0 + 1e-5).contains(&level);
-    let held = |level: f32| {
-        if level < 0.0 {
-            0.0
-        } else if level > 1.0 {
-            1.0
-        } else {
-            level
-        }
+    let within = |&level: &f32| (-ROUNDING..=1.0 + ROUNDING).contains(&level);
+    let held = |level: f32| match level {
+        level if level < ROUNDING => 0.0,
+        level if level > 1.0 - ROUNDING => 1.0,
+        level => level,
     };
     levels.iter().all(within).then(|| levels.map(held))
 }

@@ -65,12 +65,12 @@ fn run() -> Result<(), Error> {
     let mut lit = Lit { light, full };
     let response = node::learn(&mut lit);
     for row in &response {
-        defmt::info!("response {=[f32]}", row);
+        defmt::info!("response {}", row);
     }
     for (hour, daylight) in &DAY {
         let decided = node::decide(&mut lit, &response, daylight);
         defmt::info!(
-            "at {=u32} levels {=[f32]} desks {=[f32]} W {=f32}",
+            "at {=u32} levels {} desks {} W {=f32}",
             *hour,
             decided.levels,
             decided.desks,
