@@ -362,6 +362,9 @@ where
             self.form_factors = self.form_factors.saturating_add(samples.len() as u32);
             let places = scene.samples().get(samples.clone()).unwrap_or(&[]);
             let values = self.irradiance.get_mut(samples).unwrap_or_default();
+            if !is_luminaire && self.sight.add(&scene, index, first, radiosity, values) {
+                continue;
+            }
             self.sight.each(values, |sight, number, value| {
                 let Some(&place) = places.get(number) else {
                     return;

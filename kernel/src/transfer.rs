@@ -5,7 +5,7 @@
 //! against its occluders, which may move. [`Codes`] reads what the host found out
 //! beforehand ([`Scene::code`]): no occluder is on the device, and no code for
 //! one is linked; but samples are then the only places it can answer for.
-//! [`Matrix`] reads the terms themselves ([`Scene::term`]): a few multiplications a
+//! [`Matrix`] reads the terms themselves ([`Scene::add_terms`]): a few multiplications a
 //! pair. [`Vectors`] reads what every sample receives of every luminaire in the end
 //! ([`Scene::response`]): nothing is left to be reflected, and a dimming costs one
 //! multiplication a sample, but reflectances are what they were.
@@ -49,6 +49,21 @@ pub trait Transfer {
         pair: Pair,
         radiosity: L,
     ) -> L::Colour;
+
+    /// Adds what samples that follow each other receive from a secondary emitter, where
+    /// that is read and nothing of them need be known but which they are; whether it is.
+    /// `first` is counted as [`Pair::receiver`] is.
+    #[inline(always)]
+    fn add<L: Luminance>(
+        &self,
+        _scene: &Scene<'_>,
+        _emitter: usize,
+        _first: u32,
+        _radiosity: L,
+        _values: &mut [L::Colour],
+    ) -> bool {
+        false
+    }
 
     /// Whether looking for the brightest emitter costs more than a shot, so that all
     /// shoot in turn.
@@ -194,8 +209,23 @@ impl<const BITS: u32> Transfer for Matrix<BITS> {
             let fraction = scene.fraction(emitter, number);
             return scene.received_in_part::<A, L>(receiver, emitter, radiosity, fraction);
         }
-        let term = scene.term(BITS, emitter, number);
-        radiosity.received(term.factor, || term.place)
+        let mut value = [L::Colour::DARK];
+        scene.add_terms(BITS, emitter, number, radiosity, &mut value);
+        let [value] = value;
+        value
+    }
+
+    #[inline(always)]
+    fn add<L: Luminance>(
+        &self,
+        scene: &Scene<'_>,
+        emitter: usize,
+        first: u32,
+        radiosity: L,
+        values: &mut [L::Colour],
+    ) -> bool {
+        scene.add_terms(BITS, emitter, first, radiosity, values);
+        true
     }
 }
 

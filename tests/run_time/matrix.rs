@@ -78,9 +78,13 @@ fn terms_err_by_what_their_bits_allow() {
             found
         };
         show("codes", &planned.coded());
-        for bits in [4, 6, 8] {
-            show(&format!("{bits} bits"), &planned.matrix(bits));
+        // Rms at samples and largest at named points, in percent, for any luminaire
+        // alone and all together.
+        for (bits, rms, points) in [(4, 2.0, 3.0), (6, 0.5, 0.6), (8, 0.3, 0.06)] {
+            let found = show(&format!("{bits} bits"), &planned.matrix(bits));
+            assert!(found.rms < rms && found.points < points, "{name}, {bits}");
         }
-        show("vectors", &planned.vectors());
+        let found = show("vectors", &planned.vectors());
+        assert!(found.rms < 0.05 && found.points < 0.05, "{name}, vectors");
     }
 }

@@ -126,6 +126,21 @@ impl Transfer for Sending {
         matches!(Self::of(scene, Sight::None), Self::Vectors)
     }
 
+    fn add<L: Luminance>(
+        &self,
+        scene: &Scene<'_>,
+        emitter: usize,
+        first: u32,
+        radiosity: L,
+        values: &mut [L::Colour],
+    ) -> bool {
+        match self {
+            Self::Matrix(bits) => scene.add_terms(*bits, emitter, first, radiosity, values),
+            _ => return false,
+        }
+        true
+    }
+
     fn received<A: Arithmetic<f32>, L: Luminance>(
         &mut self,
         scene: &Scene<'_>,

@@ -19,7 +19,7 @@
 
 use super::Scene;
 use super::records::Counts;
-use crate::luminance::Colour;
+use crate::luminance::{Colour, Luminance};
 
 /// What a receiver gets from a secondary emitter of 1 W m⁻².
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,26 +93,69 @@ const fn secondary(counts: &Counts) -> u32 {
     counts.emitters.saturating_sub(counts.luminaires)
 }
 
+/// Adds to each receiver, with its scale, what its term brings.
+#[inline(always)]
+fn add<'a, L: Luminance>(
+    receivers: impl Iterator<Item = (&'a mut L::Colour, &'a f32)>,
+    words: impl Iterator<Item = u32>,
+    bits: u32,
+    radiosity: L,
+) {
+    for ((value, &scale), word) in receivers.zip(words) {
+        let Term { factor, place } = Term::of(bits, word);
+        if factor > 0.0 {
+            *value = value.plus(radiosity.received(factor * scale, || place));
+        }
+    }
+}
+
 impl Scene<'_> {
-    /// The term of an emitter for a receiver, counted among all samples that receive
-    /// reflected light; `bits` is that of the tables. Nothing where there is none.
+    /// Adds what receivers that follow each other, the first of them this one among
+    /// all samples that receive reflected light, get from an emitter; `bits` is that of
+    /// the tables. Nothing where there are no terms.
+    ///
+    /// Cost on a Cortex-M4F: about 30 instructions a receiver, 10 where its term is 0.
     #[inline(always)]
-    pub fn term(&self, bits: u32, emitter: usize, receiver: u32) -> Term {
-        let scale = self.scales.get(receiver as usize).copied();
+    pub fn add_terms<L: Luminance>(
+        &self,
+        bits: u32,
+        emitter: usize,
+        first: u32,
+        radiosity: L,
+        values: &mut [L::Colour],
+    ) {
         let nth = (emitter as u32).wrapping_sub(self.header.counts.luminaires);
         let index = nth
             .wrapping_mul(self.scales.len() as u32)
-            .wrapping_add(receiver);
-        // A term of 4 bits has 8, of 8 bits 16: the shift is 0 but for 6 bits.
-        let first = u64::from(index).wrapping_mul(u64::from(bits) * 2);
-        let from = self.codes.get((first >> 3) as usize..).unwrap_or(&[]);
-        let word = from
-            .first_chunk()
-            .map_or(0, |word| u32::from_le_bytes(*word));
-        let term = Term::of(bits, word >> (first & 7));
-        Term {
-            factor: term.factor * scale.unwrap_or(0.0),
-            ..term
+            .wrapping_add(first);
+        let scales = self.scales.get(first as usize..).unwrap_or(&[]);
+        let begin = u64::from(index).wrapping_mul(u64::from(bits) << 1);
+        let bytes = self.codes.get((begin >> 3) as usize..).unwrap_or(&[]);
+        let receivers = values.iter_mut().zip(scales);
+        // Where terms are whole bytes they are read as such.
+        match bits {
+            4 => add(
+                receivers,
+                bytes.iter().copied().map(u32::from),
+                bits,
+                radiosity,
+            ),
+            8 => {
+                let (words, _) = bytes.as_chunks::<2>();
+                let words = words
+                    .iter()
+                    .map(|word| u32::from(u16::from_le_bytes(*word)));
+                add(receivers, words, bits, radiosity);
+            }
+            _ => {
+                let begin = (begin & 7) as u32;
+                let words = (0_u32..).map_while(|k| {
+                    let at = k.wrapping_mul(bits << 1).wrapping_add(begin);
+                    let word = bytes.get((at >> 3) as usize..)?.first_chunk()?;
+                    Some(u32::from_le_bytes(*word) >> (at & 7))
+                });
+                add(receivers, words, bits, radiosity);
+            }
         }
     }
 

@@ -58,8 +58,8 @@ where
     }
 
     /// Lets every emitter shoot in turn, what has reached it up to then, but for those
-    /// whose part in what is unshot may stay: if none has more, all of it is below half
-    /// of the fraction. The number of shots, at most `most`; 0 once it is below the
+    /// whose part in what is unshot may stay: if none has more, all of it is below
+    /// three quarters of the fraction. The number of shots, at most `most`; 0 once it is below the
     /// fraction.
     pub(super) fn sweep(&mut self, fraction: f32, most: u32) -> u32 {
         let left = self.left();
@@ -67,7 +67,7 @@ where
             return 0;
         }
         let emitters = self.emitters.len();
-        let least = 0.5 * fraction * left.emitted / emitters as f32;
+        let least = 0.75 * fraction * left.emitted / emitters as f32;
         let mut shots = 0_u32;
         for (index, emitter) in self.scene.emitters().iter().enumerate() {
             if shots >= most {
