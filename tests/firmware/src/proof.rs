@@ -40,7 +40,7 @@ mod entries {
     use isolux::scene::records::{self, Counts, Emitter, Surface};
     use isolux::scene::{Scene, required_bytes};
     use isolux::shoot::{self, Solved, Stop};
-    use isolux::transfer::Codes;
+    use isolux::transfer::{Codes, Matrix, Vectors};
     use isolux::visibility::records::{Blocker, Occluders, Target};
     use isolux::visibility::{Bracket, Exact, Gathered, VertexRays, Visibility};
     use isolux::{Error, budget};
@@ -251,6 +251,24 @@ mod entries {
         }
         fn isolux_entry_light_solve_coded(light: &mut CodedLight<'static>, stop: Stop) -> Solved {
             light.solve(stop)
+        }
+        fn isolux_entry_light_new_matrix(scene: Scene<'static>) -> Result<MatrixLight<'static>, Error> {
+            MatrixLight::new(scene)
+        }
+        fn isolux_entry_light_solve_matrix(light: &mut MatrixLight<'static>, stop: Stop) -> Solved {
+            light.solve(stop)
+        }
+        fn isolux_entry_light_update_matrix_of_6_bits(light: &mut TightLight<'static>, stop: Stop) -> Solved {
+            light.update(stop)
+        }
+        fn isolux_entry_light_new_vectors(scene: Scene<'static>) -> Result<VectorsLight<'static>, Error> {
+            VectorsLight::new(scene)
+        }
+        fn isolux_entry_light_update_vectors(light: &mut VectorsLight<'static>, stop: Stop) -> Solved {
+            light.update(stop)
+        }
+        fn isolux_entry_light_point(light: &BestLight<'static>, index: usize) -> Result<f32, Error> {
+            light.point(index)
         }
         fn isolux_entry_light_solve_libm(light: &mut LibmLight<'static>, stop: Stop) -> Solved {
             light.solve(stop)
