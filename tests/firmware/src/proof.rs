@@ -67,8 +67,12 @@ mod entries {
     type LibmLight<'t> = Light<'t, Libm<Chosen>>;
     type CodedLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Linear<f32>, Codes>;
 
-    /// Reflectances that may change, in colour, past occluders.
-    type ColouredLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Linear<Rgb>, Workspace, 8>;
+    /// Reflectances that may change, in colour.
+    type ColouredLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Linear<Rgb>, Codes, 8>;
+
+    type MatrixLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Linear<f32>, Matrix<8>>;
+    type TightLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Linear<Rgb>, Matrix<6>>;
+    type VectorsLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Constant<Rgb>, Vectors>;
 
     type Workspace = Exact<8, 4, 24, 6>;
     type WithMeshes = Reconstructed<'static, 'static, Stencils<Chosen>, f32>;
