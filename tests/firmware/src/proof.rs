@@ -42,7 +42,7 @@ mod entries {
     use isolux::shoot::{self, Solved, Stop};
     use isolux::transfer::{Codes, Matrix, Vectors};
     use isolux::visibility::records::{Blocker, Occluders, Target};
-    use isolux::visibility::{Bracket, Exact, Gathered, VertexRays, Visibility};
+    use isolux::visibility::{Bracket, Exact, Gathered, Unoccluded, VertexRays, Visibility};
     use isolux::{Error, budget};
 
     use crate::root::Chosen;
@@ -68,7 +68,7 @@ mod entries {
     type CodedLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Linear<f32>, Codes>;
 
     /// Reflectances that may change, in colour.
-    type ColouredLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Linear<Rgb>, Codes, 8>;
+    type ColouredLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Constant<Rgb>, Unoccluded, 8>;
 
     type MatrixLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Linear<f32>, Matrix<8>>;
     type TightLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Linear<Rgb>, Matrix<6>>;
