@@ -55,6 +55,8 @@ struct Origin<'t> {
     /// The scene with its occluders, which coded tables lack.
     scene: Scene<'t>,
     sight: Sight,
+    /// The light that shines on them, where the tables' own knows samples alone.
+    light: Option<Box<dyn Lit + 't>>,
 }
 
 /// A solved scene.
@@ -88,6 +90,21 @@ trait Lit: Send + Sync {
         })
     }
     fn radiosity(&self, emitter: usize) -> Channels;
+    /// Not for integers, whose units were chosen for what the luminaires emit.
+    fn set_radiance(&mut self, luminaire: usize, _: Channels) -> Result<(), Error> {
+        Err(Error::Unknown {
+            what: What::Luminaires,
+            asked: luminaire as u32,
+            have: 0,
+        })
+    }
+    fn update(&mut self, stop: Stop) -> Solved {
+        self.solve(stop)
+    }
+    /// Integer tables have none.
+    fn points(&self) -> Vec<Channels> {
+        Vec::new()
+    }
     fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<Channels>, Error>;
     fn row(
         &self,
@@ -137,6 +154,13 @@ where
         }
     }
 
+    /// What surfaces were put together from is no more.
+    fn forget(&mut self) {
+        self.rooms
+            .iter_mut()
+            .for_each(|room| *room = OnceLock::new());
+    }
+
     /// A surface put together from its fields; `None` where it has none, or does
     /// not exist.
     fn reconstructed(
@@ -163,10 +187,24 @@ where
     L: Luminance<Colour: ToChannels>,
 {
     fn solve(&mut self, stop: Stop) -> Solved {
-        self.rooms
-            .iter_mut()
-            .for_each(|room| *room = OnceLock::new());
+        self.forget();
         self.light.solve(stop)
+    }
+
+    fn set_radiance(&mut self, luminaire: usize, radiance: Channels) -> Result<(), Error> {
+        let radiance = L::Colour::read(&radiance);
+        self.light.set_radiance(luminaire, radiance)
+    }
+
+    fn update(&mut self, stop: Stop) -> Solved {
+        self.forget();
+        self.light.update(stop)
+    }
+
+    fn points(&self) -> Vec<Channels> {
+        let points = 0..self.light.scene().points().len();
+        let found = points.filter_map(|point| self.light.point(point).ok());
+        found.map(ToChannels::channels).collect()
     }
 
     fn channels(&self) -> usize {
@@ -273,10 +311,7 @@ where
         A: Arithmetic<f32> + Send + Sync + 'static,
         L: Luminance<Colour: ToChannels>,
     {
-        let sending = Sending {
-            sight: Looking::with(sight),
-            coded: scene.counts().is_coded(),
-        };
+        let sending = Sending::of(&scene, sight);
         let light = Light::<A, SAMPLES, EMITTERS, L, _>::with_sight(scene, sending)?;
         Ok(Box::new(Kept::new(Box::new(light))))
     }
@@ -304,6 +339,7 @@ pub fn solve(
     let mut from = Origin {
         scene: Scene::EMPTY,
         sight: Sight::None,
+        light: None,
     };
     let mut light = match rung.into() {
         FormFactorRung::Float(rung) => {
@@ -312,12 +348,20 @@ pub fn solve(
             if from.scene.counts().occluders > 0 {
                 from.sight = sight;
             }
-            with_rung!(rung, Kernel => dark::<Kernel>(scene, from.sight)?)
+            with_rung!(rung, Kernel => {
+                if scene.counts().responses > 0 {
+                    from.light = Some(dark::<Kernel>(from.scene, from.sight)?);
+                }
+                dark::<Kernel>(scene, from.sight)?
+            })
         }
         FormFactorRung::Q24 => integers::dark::<Q24>(tables.bytes())?,
         FormFactorRung::Q29 => integers::dark::<Q29>(tables.bytes())?,
     };
     let solved = light.solve(stop);
+    if let Some(light) = &mut from.light {
+        light.solve(stop);
+    }
     Ok(Solution {
         light,
         from,
@@ -353,6 +397,32 @@ impl Solution<'_> {
         self.light.irradiance()
     }
 
+    /// Sets the radiance of a luminaire, of those in the order of the scene; no light
+    /// changes before [`update`](Self::update).
+    ///
+    /// # Errors
+    /// Those of [`Light::set_radiance`]; [`Error::Unknown`] for tables in integers,
+    /// whose luminaires stay as they are.
+    pub fn set_radiance(&mut self, luminaire: usize, radiance: Channels) -> Result<(), Error> {
+        if let Some(light) = &mut self.from.light {
+            light.set_radiance(luminaire, radiance)?;
+        }
+        self.light.set_radiance(luminaire, radiance)
+    }
+
+    /// Shoots what has changed, until `stop`.
+    pub fn update(&mut self, stop: Stop) {
+        if let Some(light) = &mut self.from.light {
+            light.update(stop);
+        }
+        self.solved = self.light.update(stop);
+    }
+
+    /// Irradiance at the scene's named points, as the device reports it.
+    pub fn points(&self) -> Vec<Channels> {
+        self.light.points()
+    }
+
     /// Mean radiosity that an emitter has shot.
     pub fn radiosity(&self, emitter: usize) -> Channels {
         self.light.radiosity(emitter)
@@ -363,7 +433,8 @@ impl Solution<'_> {
     /// # Errors
     /// [`Error::Receiver`] for a place or normal that is none.
     pub fn at(&self, receivers: &[([f32; 3], [f32; 3])]) -> Result<Vec<At>, Error> {
-        self.light.at(&self.from, receivers)
+        let light = self.from.light.as_ref().unwrap_or(&self.light);
+        light.at(&self.from, receivers)
     }
 
     /// What every one of some emitters gives to places with their normals, as the
@@ -378,7 +449,8 @@ impl Solution<'_> {
         emitters: Range<usize>,
         sight: Sight,
     ) -> Result<Vec<Vec<f32>>, Error> {
-        self.light.terms(&self.from, receivers, emitters, sight)
+        let light = self.from.light.as_ref().unwrap_or(&self.light);
+        light.terms(&self.from, receivers, emitters, sight)
     }
 
     /// Irradiance resampled at (u, v), metres in the frame of a surface; `None`

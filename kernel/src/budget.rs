@@ -4,13 +4,13 @@ use crate::scene::Scene;
 use crate::scene::records::{Counts, Sight};
 
 /// Bytes of RAM that [`Light`](crate::shoot::Light) takes on a 32-bit part: for
-/// every channel 4 a sample and 8 an emitter's coefficient, and 220 for the
+/// every channel 4 a sample and 8 an emitter's coefficient, and 228 for the
 /// borrowed tables and the counts.
 ///
 /// Exact on thumb targets: the firmware does not compile where `size_of` differs.
 pub const fn light_bytes(counts: &Counts) -> usize {
     let coefficients = counts.emitters as usize * counts.coefficients as usize;
-    counts.channels as usize * (4 * counts.samples as usize + 8 * coefficients) + 220
+    counts.channels as usize * (4 * counts.samples as usize + 8 * coefficients) + 228
 }
 
 /// Bytes of RAM that the workspace of [`Exact`](crate::visibility::Exact) takes
@@ -50,7 +50,7 @@ fn shots(scene: &Scene<'_>, of_luminaires: bool) -> u64 {
         let samples = scene.receivers(surface, of_luminaires);
         samples.len() as u64
     };
-    let all: u64 = scene.surfaces().iter().map(receivers).sum();
+    let all: u64 = scene.receiving().iter().map(receivers).sum();
     scene
         .emitters()
         .iter()

@@ -45,7 +45,8 @@ pub enum Error {
         /// Position of the record among its kind.
         record: u32,
     },
-    /// A number in the tables is not finite, or outside of its domain.
+    /// A number in the tables, or one of a caller's, is not finite or outside of its
+    /// domain.
     Number {
         /// Which records.
         what: What,
@@ -94,6 +95,8 @@ pub enum What {
     Samples,
     /// Emitters.
     Emitters,
+    /// Emitters that emit by themselves.
+    Luminaires,
     /// Loops of emitters.
     Loops,
     /// Vertices of loops.
@@ -148,6 +151,16 @@ pub enum What {
     Triangles,
     /// What samples contribute to nodes.
     Shares,
+    /// Named points.
+    Points,
+    /// Terms of the matrix.
+    Terms,
+    /// Bits of a term's factor.
+    Bits,
+    /// Scales of terms or responses.
+    Scales,
+    /// What samples receive of a luminaire's light, reflected light included.
+    Responses,
 }
 
 impl fmt::Display for What {
@@ -157,6 +170,7 @@ impl fmt::Display for What {
             Self::Surfaces => "surfaces",
             Self::Samples => "samples",
             Self::Emitters => "emitters",
+            Self::Luminaires => "luminaires",
             Self::Loops => "loops",
             Self::Vertices => "vertices",
             Self::Reflectances => "reflectances",
@@ -184,6 +198,11 @@ impl fmt::Display for What {
             Self::Nodes => "nodes",
             Self::Triangles => "triangles",
             Self::Shares => "shares",
+            Self::Points => "named points",
+            Self::Terms => "terms of the matrix",
+            Self::Bits => "bits of a term",
+            Self::Scales => "scales",
+            Self::Responses => "responses",
         })
     }
 }

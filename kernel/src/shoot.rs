@@ -1,7 +1,8 @@
 //! Light on its way: from luminaires to samples, from sample to sample, until
 //! little enough is left.
 //!
-//! The state is one irradiance per sample and two radiosities per emitter.
+//! The state is one irradiance per sample and two radiosities per emitter, what it
+//! has shot and what it is to have shot.
 //! An emitter's radiosity is B = M + ρ mean(E) over the samples at its
 //! vertices (the paper's reconstruction for light transfer), or linear in place
 //! with a mean and two gradients, each a weighted sum of its samples'
@@ -13,11 +14,17 @@
 //! normal in place of the receiver's; here the second bounce is Eq. 3 again,
 //! with a polygon of constant radiosity as its emitter.)
 //!
+//! All of it is linear, so that a scene need not be lit anew where a luminaire is
+//! dimmed: what changed is a difference ΔB, below 0 where there is less of it, and
+//! is shot as any other ([`Light::set_radiance`], [`Light::update`]). Emitters are
+//! compared, and the end is told, by magnitudes.
+//!
 //! Two orders are offered: [`Light::shoot`] takes the emitter with the most
 //! unshot power (progressive shooting), [`Light::reflect`] lets all emitters
 //! shoot what arrived in the last generation (a Neumann sum, so that "light
 //! reflected at most N times" is exact).
 
+mod change;
 mod stop;
 mod unshot;
 
@@ -34,13 +41,18 @@ use crate::transfer::{Pair, Transfer};
 use crate::visibility::{Bracket, Unoccluded, Visibility};
 use core::marker::PhantomData;
 use heapless::Vec;
+use unshot::difference;
 
 /// The light in a scene, for at most `SAMPLES` samples and `EMITTERS` emitters.
 ///
 /// `A` is the arithmetic rung, `L` how radiosity varies over an emitter and how
 /// many channels it has, `V` the rung of visibility with its workspace, or
-/// another [`Transfer`]; all must be what the tables were baked for.
-/// RAM: [`budget::light_bytes`](crate::budget::light_bytes).
+/// another [`Transfer`]; all must be what the tables were baked for. `SURFACES` is
+/// how many surfaces there are where reflectances may change
+/// ([`set_reflectance`](Light::set_reflectance)), 0 where they stay as they were
+/// baked.
+/// RAM: [`budget::light_bytes`](crate::budget::light_bytes), and for every channel
+/// 4 of the `SURFACES`.
 #[derive(Clone, Debug)]
 pub struct Light<
     't,
@@ -49,6 +61,7 @@ pub struct Light<
     const EMITTERS: usize,
     L = Constant<f32>,
     V = Unoccluded,
+    const SURFACES: usize = 0,
 > where
     L: Luminance,
 {
@@ -57,7 +70,9 @@ pub struct Light<
     /// Irradiance of every sample, W m⁻².
     irradiance: Vec<L::Colour, SAMPLES>,
     emitters: Vec<Shot<L>, EMITTERS>,
-    /// Form factors evaluated since the scene was dark.
+    /// The reflectances of the surfaces, where they may change.
+    reflectances: [L::Colour; SURFACES],
+    /// Form factors evaluated since the scene was dark, or by the last update.
     form_factors: u32,
     sight: V,
     rung: PhantomData<A>,
@@ -68,18 +83,20 @@ pub struct Light<
 struct Shot<L> {
     /// Radiosity shot so far, W m⁻².
     shot: L,
-    /// Radiosity to be shot in the present generation, W m⁻².
-    pending: L,
+    /// Radiosity that it is to have shot when the present generation ends, W m⁻²;
+    /// of a luminaire always what it emits.
+    due: L,
 }
 
 impl<L: Luminance> Shot<L> {
     const NOTHING: Self = Self {
         shot: L::DARK,
-        pending: L::DARK,
+        due: L::DARK,
     };
 }
 
-impl<'t, A, const SAMPLES: usize, const EMITTERS: usize, L, V> Light<'t, A, SAMPLES, EMITTERS, L, V>
+impl<'t, A, const SAMPLES: usize, const EMITTERS: usize, L, V, const SURFACES: usize>
+    Light<'t, A, SAMPLES, EMITTERS, L, V, SURFACES>
 where
     A: Arithmetic<f32>,
     L: Luminance,
@@ -115,13 +132,15 @@ where
             scene: None,
             irradiance: Vec::new(),
             emitters: Vec::new(),
+            reflectances: [const { L::Colour::DARK }; SURFACES],
             form_factors: 0,
             sight,
             rung: PhantomData,
         }
     }
 
-    /// Takes a scene in place of the one before: dark, ready to be lit.
+    /// Takes a scene in place of the one before: dark, ready to be lit, with the
+    /// radiances and reflectances that it was baked with.
     ///
     /// # Errors
     /// As [`new`](Self::new); it then has no scene.
@@ -131,9 +150,11 @@ where
         self.emitters.clear();
         self.form_factors = 0;
         let counts = scene.counts();
+        let surfaces = if SURFACES > 0 { counts.surfaces } else { 0 };
         for (what, needed, have) in [
             (What::Samples, counts.samples, SAMPLES as u32),
             (What::Emitters, counts.emitters, EMITTERS as u32),
+            (What::Surfaces, surfaces, SURFACES as u32),
         ] {
             if needed > have {
                 return Err(Error::Capacity { what, needed, have });
@@ -165,6 +186,7 @@ where
         if samples.is_ok() && emitters.is_ok() {
             self.scene = Some(scene);
         }
+        self.restore();
         Ok(())
     }
 
@@ -189,10 +211,30 @@ where
         &self.irradiance
     }
 
-    /// Takes all light away.
+    /// The irradiance at a named point of the scene file in W m⁻², by its index there:
+    /// a sample that is kept beside the surfaces', so that it takes no time. Not
+    /// below 0.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] where there is no such point.
+    pub fn point(&self, index: usize) -> Result<L::Colour, Error> {
+        let points = self.tables().points();
+        let sample = points.get(index).map(|point| point.first_sample as usize);
+        let found = sample.and_then(|sample| self.irradiance.get(sample));
+        let lit = |value: f32| if value > 0.0 { value } else { 0.0 };
+        found.map(|value| value.map(lit)).ok_or(Error::Unknown {
+            what: What::Points,
+            asked: index as u32,
+            have: points.len() as u32,
+        })
+    }
+
+    /// Takes all light away. Luminaires keep their radiances: they have not shot.
     pub fn darken(&mut self) {
         self.irradiance.fill(L::Colour::DARK);
-        self.emitters.fill(Shot::NOTHING);
+        for emitter in &mut self.emitters {
+            emitter.shot = L::DARK;
+        }
         self.form_factors = 0;
     }
 
@@ -210,21 +252,11 @@ where
     /// reflection of all light. Returns the number of shots.
     pub fn reflect(&mut self) -> u32 {
         for index in 0..self.emitters.len() {
-            let pending = self.unshot(index);
-            if let Some(emitter) = self.emitters.get_mut(index) {
-                emitter.pending = pending;
-            }
+            self.settle(index);
         }
         let mut shots = 0_u32;
         for index in 0..self.emitters.len() {
-            let pending = self
-                .emitters
-                .get(index)
-                .map_or(L::DARK, |emitter| emitter.pending);
-            if L::strength(pending.mean()) > 0.0 {
-                self.send(index, pending);
-                shots = shots.saturating_add(1);
-            }
+            shots = shots.saturating_add(u32::from(self.send(index)));
         }
         shots
     }
@@ -233,16 +265,22 @@ where
     /// or `None` where nothing is left.
     pub fn shoot(&mut self) -> Option<usize> {
         let index = self.left().brightest?;
-        self.send(index, self.unshot(index));
+        self.settle(index);
+        self.send(index);
         Some(index)
     }
 
-    /// Darkens the scene and lights it until `stop`.
+    /// Darkens the scene and lights it until `stop`, with the radiances and
+    /// reflectances that it has now.
     ///
     /// Cost: one form factor per shot and sample; at most as many shots as
     /// `stop` allows, `EMITTERS` for each reflection.
     pub fn solve(&mut self, stop: Stop) -> Solved {
         let shots = until(stop, self);
+        self.solved(shots)
+    }
+
+    fn solved(&self, shots: u32) -> Solved {
         Solved {
             shots,
             form_factors: self.form_factors,
@@ -305,26 +343,37 @@ where
         }
     }
 
-    /// Adds what every sample receives from this much radiosity.
-    fn send(&mut self, index: usize, radiosity: L) {
+    /// Lets an emitter shoot what it has not of what it is to have shot; whether
+    /// that was anything.
+    fn send(&mut self, index: usize) -> bool {
         let Some(scene) = self.scene else {
-            return;
+            return false;
         };
-        let Some(emitter) = scene.emitters().get(index) else {
-            return;
+        let (Some(emitter), Some(state)) =
+            (scene.emitters().get(index), self.emitters.get_mut(index))
+        else {
+            return false;
         };
+        let radiosity = difference(state.due, state.shot);
+        if L::strength(radiosity.mean()) <= 0.0 {
+            return false;
+        }
+        state.shot = state.shot.zip(radiosity, Colour::plus);
         let is_luminaire = scene.is_luminaire(index);
         let mut next = 0_u32;
-        for (number, surface) in (0_u32..).zip(scene.surfaces()) {
+        for (number, surface) in (0_u32..).zip(scene.receiving()) {
             let samples = scene.receivers(surface, is_luminaire);
             let first = next;
             next = next.saturating_add(samples.len() as u32);
-            if number == emitter.surface {
+            if number == emitter.surface && !V::is_in_the_end(&scene) {
                 continue; // a planar polygon does not light its own plane
             }
             self.form_factors = self.form_factors.saturating_add(samples.len() as u32);
             let places = scene.samples().get(samples.clone()).unwrap_or(&[]);
             let values = self.irradiance.get_mut(samples).unwrap_or_default();
+            if !is_luminaire && self.sight.add(&scene, index, first, radiosity, values) {
+                continue;
+            }
             self.sight.each(values, |sight, number, value| {
                 let Some(&place) = places.get(number) else {
                     return;
@@ -339,14 +388,12 @@ where
                 *value = value.plus(more);
             });
         }
-        if let Some(state) = self.emitters.get_mut(index) {
-            state.shot = state.shot.zip(radiosity, Colour::plus);
-        }
+        true
     }
 }
 
-impl<A, const SAMPLES: usize, const EMITTERS: usize, L, V> Shooting
-    for Light<'_, A, SAMPLES, EMITTERS, L, V>
+impl<A, const SAMPLES: usize, const EMITTERS: usize, L, V, const SURFACES: usize> Shooting
+    for Light<'_, A, SAMPLES, EMITTERS, L, V, SURFACES>
 where
     A: Arithmetic<f32>,
     L: Luminance,
@@ -371,7 +418,14 @@ where
         let Some(index) = left.brightest.filter(|_| left.fraction > fraction) else {
             return false;
         };
-        self.send(index, self.unshot(index));
-        true
+        self.settle(index);
+        self.send(index)
+    }
+
+    fn shoot_some(&mut self, fraction: f32, most: u32) -> u32 {
+        match V::sweeps(self.tables()) {
+            true => self.sweep(fraction, most),
+            false => u32::from(self.shoot_above(fraction)),
+        }
     }
 }

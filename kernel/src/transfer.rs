@@ -5,12 +5,16 @@
 //! against its occluders, which may move. [`Codes`] reads what the host found out
 //! beforehand ([`Scene::code`]): no occluder is on the device, and no code for
 //! one is linked; but samples are then the only places it can answer for.
+//! [`Matrix`] reads the terms themselves ([`Scene::add_terms`]): a few multiplications a
+//! pair. [`Vectors`] reads what every sample receives of every luminaire in the end
+//! ([`Scene::response`]): nothing is left to be reflected, and a dimming costs one
+//! multiplication a sample, but reflectances are what they were.
 
 use crate::Error;
 use crate::error::What;
 use crate::form_factor::Arithmetic;
 use crate::geometry::Receiver;
-use crate::luminance::Luminance;
+use crate::luminance::{Colour, Luminance};
 use crate::scene::Scene;
 use crate::visibility::Visibility;
 
@@ -46,6 +50,33 @@ pub trait Transfer {
         radiosity: L,
     ) -> L::Colour;
 
+    /// Adds what samples that follow each other receive from a secondary emitter, where
+    /// that is read and nothing of them need be known but which they are; whether it is.
+    /// `first` is counted as [`Pair::receiver`] is.
+    #[inline(always)]
+    fn add<L: Luminance>(
+        &self,
+        _scene: &Scene<'_>,
+        _emitter: usize,
+        _first: u32,
+        _radiosity: L,
+        _values: &mut [L::Colour],
+    ) -> bool {
+        false
+    }
+
+    /// Whether looking for the brightest emitter costs more than a shot, so that all
+    /// shoot in turn.
+    fn sweeps(_: &Scene<'_>) -> bool {
+        false
+    }
+
+    /// Whether what it gives is what is received in the end, with all reflected
+    /// light, so that a luminaire lights its own surface too.
+    fn is_in_the_end(_: &Scene<'_>) -> bool {
+        false
+    }
+
     /// Sets every value of a slice to what `value` makes of it, given its index
     /// and a workspace.
     ///
@@ -69,6 +100,8 @@ impl<V: Visibility> Transfer for V {
             // Tables with codes have lost their occluders.
             (What::Codes, counts.codes, 0),
             (What::Fractions, counts.fractions, 0),
+            (What::Terms, counts.terms, 0),
+            (What::Responses, counts.responses, 0),
             (What::Occluders, counts.occluders, occluders),
             (What::Corners, needed.vertices, have.vertices),
             (What::Pieces, needed.pieces, have.pieces),
@@ -114,14 +147,9 @@ pub struct Codes;
 impl Transfer for Codes {
     fn fits(scene: &Scene<'_>) -> Result<(), Error> {
         let counts = scene.counts();
-        if !counts.is_coded() && counts.emitters > counts.luminaires {
-            return Err(Error::Unknown {
-                what: What::Codes,
-                asked: counts.emitters.saturating_sub(counts.luminaires),
-                have: 0,
-            });
-        }
-        Ok(())
+        refuse(What::Terms, counts.terms)?;
+        refuse(What::Responses, counts.responses)?;
+        require(scene, What::Codes, counts.is_coded())
     }
 
     #[inline(always)]
@@ -132,17 +160,135 @@ impl Transfer for Codes {
         pair: Pair,
         radiosity: L,
     ) -> L::Colour {
-        let Pair {
-            emitter,
-            receiver: number,
-            // The fractions of such samples say so.
-            unshadowed: _,
-        } = pair;
+        // That a sample looks past what occludes is in its fractions.
+        let (emitter, number) = (pair.emitter, pair.receiver);
         if scene.is_luminaire(emitter) {
             let fraction = scene.fraction(emitter, number);
             scene.received_in_part::<A, L>(receiver, emitter, radiosity, fraction)
         } else {
             scene.coded::<A, L>(receiver, emitter, radiosity, scene.code(emitter, number))
         }
+    }
+}
+
+/// The rung `matrix`: a term for each sample and secondary emitter, with a factor of
+/// `BITS` bits, 4, 6 or 8; a fraction for each sample and luminaire.
+#[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Matrix<const BITS: u32>;
+
+impl<const BITS: u32> Transfer for Matrix<BITS> {
+    fn fits(scene: &Scene<'_>) -> Result<(), Error> {
+        let counts = scene.counts();
+        refuse(What::Codes, counts.codes)?;
+        refuse(What::Responses, counts.responses)?;
+        require(scene, What::Terms, counts.terms > 0)?;
+        if counts.terms > 0 && counts.bits != BITS {
+            return Err(Error::Capacity {
+                what: What::Bits,
+                needed: counts.bits,
+                have: BITS,
+            });
+        }
+        Ok(())
+    }
+
+    fn sweeps(_: &Scene<'_>) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn received<A: Arithmetic<f32>, L: Luminance>(
+        &mut self,
+        scene: &Scene<'_>,
+        receiver: &Receiver<f32>,
+        pair: Pair,
+        radiosity: L,
+    ) -> L::Colour {
+        let (emitter, number) = (pair.emitter, pair.receiver);
+        if scene.is_luminaire(emitter) {
+            let fraction = scene.fraction(emitter, number);
+            return scene.received_in_part::<A, L>(receiver, emitter, radiosity, fraction);
+        }
+        let mut value = [L::Colour::DARK];
+        scene.add_terms(BITS, emitter, number, radiosity, &mut value);
+        let [value] = value;
+        value
+    }
+
+    #[inline(always)]
+    fn add<L: Luminance>(
+        &self,
+        scene: &Scene<'_>,
+        emitter: usize,
+        first: u32,
+        radiosity: L,
+        values: &mut [L::Colour],
+    ) -> bool {
+        scene.add_terms(BITS, emitter, first, radiosity, values);
+        true
+    }
+}
+
+/// The rung `vectors`: for each sample and luminaire what it receives in the end.
+#[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Vectors;
+
+impl Transfer for Vectors {
+    fn fits(scene: &Scene<'_>) -> Result<(), Error> {
+        let counts = scene.counts();
+        // Codes, terms and what reflects are not beside responses: that is checked
+        // on load.
+        match counts.responses > 0 || counts.samples == 0 {
+            true => Ok(()),
+            false => Err(Error::Unknown {
+                what: What::Responses,
+                asked: counts.samples,
+                have: 0,
+            }),
+        }
+    }
+
+    fn is_in_the_end(_: &Scene<'_>) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn received<A: Arithmetic<f32>, L: Luminance>(
+        &mut self,
+        scene: &Scene<'_>,
+        _: &Receiver<f32>,
+        pair: Pair,
+        radiosity: L,
+    ) -> L::Colour {
+        let response = scene.response::<L::Colour>(pair.emitter, pair.receiver);
+        radiosity.mean().zip(response, |m, r| m * r)
+    }
+}
+
+/// Refuses what tables hold and a rung does not read.
+fn refuse(what: What, needed: u32) -> Result<(), Error> {
+    match needed {
+        0 => Ok(()),
+        _ => Err(Error::Capacity {
+            what,
+            needed,
+            have: 0,
+        }),
+    }
+}
+
+/// Refuses tables that reflect without what a rung reads.
+fn require(scene: &Scene<'_>, what: What, there: bool) -> Result<(), Error> {
+    let counts = scene.counts();
+    let asked = counts.emitters.saturating_sub(counts.luminaires);
+    match there || asked == 0 {
+        true => Ok(()),
+        false => Err(Error::Unknown {
+            what,
+            asked,
+            have: 0,
+        }),
     }
 }

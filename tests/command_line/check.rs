@@ -50,7 +50,7 @@ fn what_this_build_lacks_is_said_and_is_no_failure() {
     for (name, text, what) in [
         (
             "rung.toml",
-            desk() + "[rungs]\ntransfer = \"matrix\"\n",
+            desk() + "[rungs]\ntransfer = \"matrix\"\nemitters = \"isolux\"\n",
             "matrix",
         ),
         (

@@ -150,7 +150,7 @@ fn what_this_build_lacks_exits_one_from_all_but_check() {
     for (name, text, what) in [
         (
             "transfer.toml",
-            desk() + "[rungs]\ntransfer = \"matrix\"\n",
+            desk() + "[rungs]\ntransfer = \"matrix\"\nemitters = \"isolux\"\n",
             "matrix",
         ),
         (
@@ -193,30 +193,12 @@ fn what_this_build_lacks_exits_one_from_all_but_check() {
 fn rungs_on_the_command_line() {
     let directory = tempfile::tempdir().expect("a directory");
     write(directory.path(), "desk.toml", &desk());
-    let ladders = [("--transfer", "matrix")];
-    for (ladder, lacking) in ladders {
-        for (command, ran) in every_command(directory.path(), "desk.toml", &[ladder, "nonsense"]) {
-            refused(&ran, 2);
-            assert!(ran.stderr.contains("nonsense"), "{command}: {}", ran.stderr);
-            assert!(
-                ran.stderr.contains(lacking),
-                "the rungs are listed: {}",
-                ran.stderr
-            );
-        }
-        for (command, ran) in every_command(directory.path(), "desk.toml", &[ladder, lacking]) {
-            if command == "check" {
-                assert_eq!(ran.code, 0, "{ladder}: {}", ran.stderr);
-            } else {
-                refused(&ran, 1);
-            }
-        }
-    }
     // Every rung of these is there: only nonsense is refused.
     for (ladder, rung) in [
         ("--arithmetic", "q29"),
         ("--visibility", "vertex-rays"),
         ("--emitters", "points"),
+        ("--transfer", "vectors"),
         ("--placement", "error"),
         ("--reconstruction", "tensor"),
     ] {

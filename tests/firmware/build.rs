@@ -34,7 +34,7 @@ fn main() {
     for argument in ["--nmagic", "-Tlink.x"] {
         println!("cargo::rustc-link-arg-bins={argument}");
     }
-    for logging in ["firmware", "cost", "hashes"] {
+    for logging in ["firmware", "relight", "cost", "hashes"] {
         println!("cargo::rustc-link-arg-bin={logging}=-Tdefmt.x");
     }
     match count("ISOLUX_EVALUATIONS", 10_000) {

@@ -64,7 +64,14 @@ fn shaded(colour: bool, coded: bool) -> Tables {
     let places = scene.surfaces.iter().flat_map(|s| s.vertices.clone());
     let occlusion = Occlusion::for_receivers_within(&scene, places).expect("occluders");
     let looking = (Some(&occlusion), Sight::Exact);
-    let plan = pilot::room(&scene, &scene.budget, looking, &field).expect("a plan");
+    let plan = pilot::room(
+        &scene,
+        &scene.budget,
+        looking,
+        pilot::Manner::default(),
+        &field,
+    )
+    .expect("a plan");
     match coded {
         false => bake::bake(&scene, &plan, Some(occlusion)),
         true => bake::bake_coded(&scene, &plan, Some(occlusion)),

@@ -2,13 +2,13 @@
 //! emitter.
 
 use super::fields::Fields;
-use super::{TooLarge, codes};
+use super::{TooLarge, Written};
 use crate::occlusion::Occlusion;
 use crate::plan::patches::Patch;
 use crate::plan::patches::shapes::{convex_pieces, hull, own_frame};
-use crate::plan::{Band, Plan, Point, SurfacePlan};
-use crate::scene::Scene;
+use crate::plan::{self, Band, Plan, SurfacePlan};
 use crate::scene::requires::requirements;
+use crate::scene::{Point, Scene};
 use glam::DVec3;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
@@ -39,7 +39,9 @@ pub(super) struct Content {
     pub(super) samples: Vec<[f32; 2]>,
     pub(super) weights: Vec<f32>,
     pub(super) members: Vec<u16>,
-    pub(super) codes: codes::Codes,
+    pub(super) written: Written,
+    /// Named points: the last of the surfaces.
+    pub(super) points: usize,
     pub(super) fields: Fields,
     /// Whether some emitters are points.
     has_points: bool,
@@ -54,6 +56,9 @@ impl Content {
         let mut content = Self::new(scene, plan, occlusion);
         for (surface, planned) in scene.surfaces.iter().zip(&plan.surfaces) {
             content.surface(surface, planned)?;
+        }
+        for point in &scene.points {
+            content.named(point);
         }
         for (index, surface) in scene.surfaces.iter().enumerate() {
             if surface.emits() {
@@ -76,14 +81,35 @@ impl Content {
         Ok(content)
     }
 
-    /// Codes say what the lists of occluders did.
-    pub(super) fn replace_occluders(&mut self, codes: codes::Codes) {
+    /// Codes or terms say what the lists of occluders did.
+    pub(super) fn replace_occluders(&mut self, written: Written) {
         self.occlusion = None;
         self.blockers.clear();
         for shape in &mut self.shapes {
             (shape.first_blocker, shape.blockers) = (0, 0);
         }
-        self.codes = codes;
+        self.written = written;
+    }
+
+    /// Responses say what occluders and all that reflects did: luminaires are left,
+    /// and every sample receives all light.
+    pub(super) fn replace_transfer(&mut self, written: Written) {
+        self.replace_occluders(written);
+        self.emitters.truncate(self.exitances.len() / self.channels);
+        let last = self.emitters.last();
+        let loops = last.map_or(0, |last| last.first_loop + last.loops);
+        self.loops.truncate(loops as usize);
+        let last = self.loops.last();
+        let vertices = last.map_or(0, |last| last.first_vertex + last.vertices);
+        self.vertices.truncate(vertices as usize);
+        self.shapes.clear();
+        self.corners.clear();
+        self.members.clear();
+        self.weights.clear();
+        self.coefficients = 1;
+        for surface in &mut self.surfaces {
+            (surface.direct, surface.indirect, surface.unshadowed) = (0, 0, 0);
+        }
     }
 
     fn new(scene: &Scene, plan: &Plan, occlusion: Option<Occlusion>) -> Self {
@@ -103,7 +129,8 @@ impl Content {
             samples: Vec::new(),
             weights: Vec::new(),
             members: Vec::new(),
-            codes: codes::Codes::default(),
+            written: Written::default(),
+            points: 0,
             fields: Fields::default(),
             has_points: plan.surfaces.iter().any(|s| !s.points.is_empty()),
         }
@@ -137,6 +164,30 @@ impl Content {
         self.samples
             .extend(places.map(|sample| sample.place.map(|x| x as f32)));
         Ok(())
+    }
+
+    /// A named point, as a surface of which its one sample's corner alone counts.
+    fn named(&mut self, point: &Point) {
+        let normal = point.normal.normalize();
+        let (axis_u, axis_v) = normal.any_orthonormal_pair();
+        let (first_field, fields) = (self.fields.fields.len() as u32, 0);
+        self.surfaces.push(Surface {
+            origin: single(point.position),
+            axis_u: single(axis_u),
+            axis_v: single(axis_v),
+            normal: single(normal),
+            size: [1.0; 2],
+            filter_radius: 1.0,
+            first_sample: self.samples.len() as u32,
+            samples: 1,
+            direct: 0,
+            indirect: 0,
+            unshadowed: 0,
+            first_field,
+            fields,
+        });
+        self.samples.push([0.0; 2]);
+        self.points += 1;
     }
 
     fn luminaire(
@@ -210,7 +261,7 @@ impl Content {
         &mut self,
         index: usize,
         planned: &SurfacePlan,
-        point: &Point,
+        point: &plan::Point,
         first_sample: usize,
     ) -> Result<(), TooLarge> {
         let emitter = self.emitter(index, point.area);

@@ -8,10 +8,14 @@ mod codes;
 mod content;
 mod fields;
 pub mod integers;
+mod matrix;
 mod names;
+mod room;
 mod source;
 mod survey;
+mod vectors;
 mod writing;
+mod written;
 
 pub use names::Names;
 pub use source::{Described, source};
@@ -22,6 +26,7 @@ use crate::scene::Scene;
 use content::Content;
 use isolux::scene::records::{Counts, Header, Sight, checksum};
 use std::mem::offset_of;
+use written::Written;
 use zerocopy::IntoBytes;
 
 /// Baked tables and the capacities a firmware needs for them.
@@ -105,9 +110,61 @@ pub fn bake_coded(
     plan: &Plan,
     occlusion: Option<Occlusion>,
 ) -> Result<Tables, TooLarge> {
+    in_place_of_occluders(scene, plan, occlusion, |computed, content| {
+        content.replace_occluders(codes::of(computed));
+        Ok(())
+    })
+}
+
+/// Bakes a planned scene of linear patches with a matrix in place of its occluders,
+/// its terms' factors of so many bits: 4, 6 or 8.
+///
+/// Takes as long as [`bake_coded`].
+///
+/// # Errors
+/// [`TooLarge`] where a count does not fit the tables.
+pub fn bake_matrix(
+    scene: &Scene,
+    plan: &Plan,
+    occlusion: Option<Occlusion>,
+    bits: u32,
+) -> Result<Tables, TooLarge> {
+    in_place_of_occluders(scene, plan, occlusion, |computed, content| {
+        content.replace_occluders(matrix::of(computed, bits));
+        Ok(())
+    })
+}
+
+/// Bakes a planned scene with what every sample receives in the end of every
+/// luminaire, in place of its occluders and of all that reflects.
+///
+/// Takes a solution for each luminaire.
+///
+/// # Errors
+/// [`TooLarge`] where a count does not fit the tables, or the host.
+pub fn bake_vectors(
+    scene: &Scene,
+    plan: &Plan,
+    occlusion: Option<Occlusion>,
+) -> Result<Tables, TooLarge> {
+    in_place_of_occluders(scene, plan, occlusion, |computed, content| {
+        let responses = vectors::of(computed);
+        let responses = responses.map_err(|_| TooLarge { what: "samples" })?;
+        content.replace_transfer(responses);
+        Ok(())
+    })
+}
+
+/// Bakes a scene with its occluders, and with what `replace` puts in their place.
+fn in_place_of_occluders(
+    scene: &Scene,
+    plan: &Plan,
+    occlusion: Option<Occlusion>,
+    replace: impl FnOnce(&Tables, &mut Content) -> Result<(), TooLarge>,
+) -> Result<Tables, TooLarge> {
     let mut content = Content::of(scene, plan, occlusion)?;
     let computed = content.surveyed(scene)?;
-    content.replace_occluders(codes::of(&computed));
+    replace(&computed, &mut content)?;
     let mut tables = content.tables(scene)?;
     tables.computed = Some(Box::new(computed));
     Ok(tables)

@@ -161,8 +161,8 @@ fn luminance(counts: &Counts) -> (String, &'static str) {
     (format!("isolux::luminance::{form}<{colour}>"), colour)
 }
 
-/// The kernel's type of transfer for these tables, codes where they have them and
-/// else a rung of visibility, and an empty workspace.
+/// The kernel's type of transfer for these tables, what the host wrote down where
+/// they have that and else a rung of visibility, and an empty workspace.
 fn transfer(head: &Head, sight: Sight) -> [String; 2] {
     let records::Sight {
         vertices,
@@ -172,6 +172,11 @@ fn transfer(head: &Head, sight: Sight) -> [String; 2] {
     } = head.sight;
     match sight {
         // What is seen is in the tables.
+        _ if head.counts.responses > 0 => ["isolux::transfer::Vectors"; 2].map(str::to_owned),
+        _ if head.counts.terms > 0 => {
+            let bits = head.counts.bits;
+            ["", "::"].map(|of| format!("isolux::transfer::Matrix{of}<{bits}>"))
+        }
         _ if head.counts.is_coded() => ["isolux::transfer::Codes"; 2].map(str::to_owned),
         _ if head.counts.occluders == 0 => ["isolux::visibility::Unoccluded"; 2].map(str::to_owned),
         Sight::VertexRays => ["isolux::visibility::VertexRays"; 2].map(str::to_owned),

@@ -26,7 +26,7 @@ impl Content {
         Ok(Counts {
             channels: self.channels as u32,
             coefficients: self.coefficients as u32,
-            surfaces: count(self.surfaces.len(), "surfaces")?,
+            surfaces: count(self.surfaces.len() - self.points, "surfaces")?,
             luminaires: count(self.exitances.len() / self.channels, "luminaires")?,
             emitters: count(self.emitters.len(), "emitters")?,
             shapes: count(self.shapes.len(), "shapes")?,
@@ -41,8 +41,8 @@ impl Content {
             samples: count(self.samples.len(), "samples")?,
             members: count(self.members.len(), "members")?,
             weights: count(self.weights.len(), "weights")?,
-            codes: count(self.codes.pairs, "codes")?,
-            fractions: count(self.codes.fractions.len(), "codes")?,
+            codes: count(self.written.codes, "codes")?,
+            fractions: count(self.written.fractions.len(), "codes")?,
             fields: count(self.fields.fields.len(), "fields")?,
             tensors: count(self.fields.tensors.len(), "fields")?,
             matrices: count(self.fields.matrices.len(), "fields")?,
@@ -51,6 +51,10 @@ impl Content {
             triangles: count(self.fields.triangles.len(), "nodes")?,
             shares: count(self.fields.shares.len(), "shares")?,
             room: count(self.fields.room, "nodes")?,
+            points: count(self.points, "points")?,
+            terms: count(self.written.terms, "terms")?,
+            bits: self.written.bits,
+            responses: count(self.written.responses.len(), "responses")?,
         })
     }
 
@@ -89,9 +93,11 @@ impl Content {
         bytes.extend_from_slice(self.weights.as_bytes());
         bytes.extend_from_slice(self.members.as_bytes());
         bytes.resize(bytes.len().next_multiple_of(4), 0);
-        bytes.extend_from_slice(self.codes.fractions.as_bytes());
+        bytes.extend_from_slice(self.written.scales.as_bytes());
+        bytes.extend_from_slice(self.written.fractions.as_bytes());
+        bytes.extend_from_slice(self.written.responses.as_bytes());
         bytes.resize(bytes.len().next_multiple_of(4), 0);
-        bytes.extend_from_slice(self.codes.words.as_bytes());
+        bytes.extend_from_slice(&self.written.bytes);
         bytes.extend_from_slice(self.fields.fields.as_bytes());
         bytes.extend_from_slice(self.fields.tensors.as_bytes());
         bytes.extend_from_slice(self.fields.matrices.as_bytes());

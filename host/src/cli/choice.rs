@@ -28,7 +28,9 @@ pub(super) struct RungArguments {
     #[arg(long, value_name = "RUNG")]
     pub(super) emitters: Option<String>,
     /// How emitter-to-receiver terms are had: exact (the default), codes (written
-    /// beforehand: no occluder is on the device).
+    /// beforehand: no occluder is on the device), matrix (the terms themselves,
+    /// rounded), vectors (what every sample receives of each luminaire in the end:
+    /// for dimming alone).
     #[arg(long, value_name = "RUNG")]
     pub(super) transfer: Option<String>,
     /// How samples are placed: error (where they lessen the error most, the
@@ -66,7 +68,7 @@ const BUILT: [(&str, &[&str]); 6] = [
     ),
     ("visibility", &["none", "vertex-rays", "exact"]),
     ("emitters", &["isolux", "layer-cake", "points", "linear"]),
-    ("transfer", &["exact", "codes"]),
+    ("transfer", &["exact", "codes", "matrix", "vectors"]),
     ("placement", &["isolux", "error"]),
     ("reconstruction", &["cone", "stencil", "tensor"]),
 ];
@@ -122,6 +124,10 @@ pub(super) enum Transfer {
     Exact,
     /// By codes that were written when the scene was baked.
     Codes,
+    /// By terms that were rounded when the scene was baked.
+    Matrix,
+    /// By what every sample receives in the end of every luminaire.
+    Vectors,
 }
 
 impl Transfer {
@@ -130,6 +136,8 @@ impl Transfer {
         match self {
             Self::Exact => "exact",
             Self::Codes => "codes",
+            Self::Matrix => "matrix",
+            Self::Vectors => "vectors",
         }
     }
 }
@@ -185,15 +193,18 @@ pub(super) fn choices(
     let is_room = needs.visibility.is_some() || needs.reflectors.len() > OPEN;
     let transfer = match rungs.transfer.as_deref() {
         Some("codes") => Transfer::Codes,
+        Some("matrix") => Transfer::Matrix,
+        Some("vectors") => Transfer::Vectors,
         _ => Transfer::Exact,
     };
-    if transfer == Transfer::Codes {
-        agree("emitters", rungs.emitters.as_deref(), &["linear"])?;
-        agree(
-            "visibility",
-            rungs.visibility.as_deref(),
-            &["exact", "none"],
-        )?;
+    let by_pairs = matches!(transfer, Transfer::Codes | Transfer::Matrix);
+    if by_pairs {
+        let linear = &["linear"];
+        agree(transfer, "emitters", rungs.emitters.as_deref(), linear)?;
+    }
+    if transfer != Transfer::Exact {
+        let looked = &["exact", "none"];
+        agree(transfer, "visibility", rungs.visibility.as_deref(), looked)?;
     }
     let arithmetic = arithmetic(rungs.arithmetic.as_deref())?;
     let cone = rungs.reconstruction.as_deref() == Some("cone");
@@ -230,7 +241,7 @@ pub(super) fn choices(
             Some("points") => Emitters::Points,
             Some("layer-cake") => Emitters::LayerCake,
             Some(_) => Emitters::Isolux,
-            None if is_room || transfer == Transfer::Codes => Emitters::Linear,
+            None if is_room || by_pairs => Emitters::Linear,
             None if placement == Placement::Error => Emitters::Points,
             None => Emitters::Isolux,
         },
@@ -362,14 +373,22 @@ fn ladders_agree(choices: &Choices, rungs: &Rungs, is_room: bool) -> Result<(), 
     Err(Failure::limit(format!("{what} cannot be had"), remedy))
 }
 
-/// Refuses a rung that codes cannot be written for.
-fn agree(ladder: &str, chosen: Option<&str>, with_codes: &[&str]) -> Result<(), Failure> {
+/// Refuses a rung that a transfer cannot be written for.
+fn agree(
+    transfer: Transfer,
+    ladder: &str,
+    chosen: Option<&str>,
+    with_it: &[&str],
+) -> Result<(), Failure> {
     match chosen {
-        Some(name) if !with_codes.contains(&name) => Err(Failure::limit(
-            format!("transfer `codes` cannot be had with {ladder} `{name}`"),
+        Some(name) if !with_it.contains(&name) => Err(Failure::limit(
+            format!(
+                "transfer `{}` cannot be had with {ladder} `{name}`",
+                transfer.name()
+            ),
             format!(
                 "take {ladder} `{}`, or transfer `exact`",
-                with_codes.join("` or `")
+                with_it.join("` or `")
             ),
         )),
         _ => Ok(()),
@@ -381,7 +400,10 @@ fn integers_suffice(choices: &Choices, needs: &Requirements) -> Result<(), Failu
     if !choices.arithmetic.is_integer() {
         return Ok(());
     }
-    let (why, remedy) = if needs.channels > 1 {
+    let (why, remedy) = if choices.transfer != Transfer::Exact {
+        let remedy = "leave out --arithmetic, or take --transfer exact";
+        ("is to have its transfer written down", remedy)
+    } else if needs.channels > 1 {
         ("is in colour", "leave out --arithmetic")
     } else if choices.sight != Sight::None {
         let remedy = "leave out --arithmetic, or let light pass through everything: --visibility none --emitters isolux";

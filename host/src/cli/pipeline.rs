@@ -21,6 +21,9 @@ use std::path::Path;
 /// number of reflections is asked for.
 pub(super) const UNSHOT: f32 = 0.001;
 
+/// Bits of a term's factor in the rung `matrix`.
+const TERM_BITS: u32 = 8;
+
 /// The fraction at which a reference counts as converged.
 const CONVERGED: f64 = 1e-5;
 
@@ -112,6 +115,8 @@ fn baked(
         let baked = match choices.transfer {
             Transfer::Exact => bake::bake(&scene, &plan, occlusion),
             Transfer::Codes => bake::bake_coded(&scene, &plan, occlusion),
+            Transfer::Matrix => bake::bake_matrix(&scene, &plan, occlusion, TERM_BITS),
+            Transfer::Vectors => bake::bake_vectors(&scene, &plan, occlusion),
         };
         baked.map_err(too_large)?
     };

@@ -45,9 +45,11 @@ pub(crate) struct Variant {
     pub(crate) wrong_bit: bool,
 }
 
-/// A program of the firmware's package, and how it is built.
+/// A program for the device, and how it is built.
 #[derive(Clone, Copy, Debug)]
 pub struct Build<'a> {
+    /// The package it belongs to.
+    pub package: &'a str,
     /// The program.
     pub program: &'a str,
     /// Features of the package.
@@ -65,6 +67,7 @@ impl<'a> Build<'a> {
     #[must_use]
     pub fn of(program: &'a str) -> Self {
         Self {
+            package: PACKAGE,
             program,
             features: &[],
             bare: false,
@@ -160,8 +163,7 @@ impl Toolchain {
             })
     }
 
-    /// Links a program of the firmware's package and copies it to
-    /// `destination`.
+    /// Links a program and copies it to `destination`.
     ///
     /// Runs at the same time wait for each other: they share the target
     /// directory, and the next build overwrites the program.
@@ -186,7 +188,7 @@ impl Toolchain {
         }
         let built = cargo
             .current_dir(&self.workspace)
-            .args(["--quiet", "--package", PACKAGE, "--bin", binary])
+            .args(["--quiet", "--package", build.package, "--bin", binary])
             .args(["--target", core.target(), "--profile", build.profile])
             .args(["--features", &build.features.join(",")])
             .env("CARGO_TARGET_DIR", &directory)
@@ -223,7 +225,6 @@ impl Toolchain {
         variant: Variant,
         destination: &Path,
     ) -> Result<(), Error> {
-        let baked = keep(&self.directory().join("tables"), job)?;
         let mut features: Vec<&str> = Vec::new();
         if variant.software_root {
             features.push("software-root");
@@ -231,6 +232,19 @@ impl Toolchain {
         if variant.wrong_bit {
             features.push("wrong-bit");
         }
+        self.link_job("firmware", &features, job, core, destination)
+    }
+
+    /// Links a program of the firmware's package for a job.
+    pub(crate) fn link_job(
+        &self,
+        program: &str,
+        features: &[&str],
+        job: &Job<'_>,
+        core: Core,
+        destination: &Path,
+    ) -> Result<(), Error> {
+        let baked = keep(&self.directory().join("tables"), job)?;
         let words = [
             ("ISOLUX_RESOLUTION", job.resolution.to_string()),
             ("ISOLUX_STOP", stop(job.stop)),
@@ -238,9 +252,9 @@ impl Toolchain {
         let mut environment = vec![("ISOLUX_BAKED", baked.as_os_str())];
         environment.extend(words.iter().map(|(name, word)| (*name, OsStr::new(word))));
         let build = Build {
-            features: &features,
+            features,
             environment: &environment,
-            ..Build::of("firmware")
+            ..Build::of(program)
         };
         self.link(core, &build, destination)
     }

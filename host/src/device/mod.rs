@@ -26,6 +26,7 @@ mod log;
 mod measured;
 pub mod model;
 pub mod operations;
+mod relit;
 mod size;
 pub mod stack;
 mod trace;
@@ -38,6 +39,7 @@ pub use flash::{Extent, Flash, flash};
 pub use hash::{Hashed, hashes};
 pub use linked::{Linked, Optimised, linked};
 pub use measured::{Allowed, Difference, Measured, Skipped, Steps, Target};
+pub use relit::{Relit, messages, relit};
 pub use trace::{Traced, traces};
 
 use std::fs;

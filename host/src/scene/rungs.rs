@@ -36,7 +36,7 @@ pub const LADDERS: [Ladder; 6] = [
     },
     Ladder {
         name: "transfer",
-        rungs: &["exact", "codes", "matrix"],
+        rungs: &["exact", "codes", "matrix", "vectors"],
     },
     Ladder {
         name: "placement",

@@ -8,7 +8,7 @@ use isolux::geometry::Receiver;
 use isolux::luminance::Luminance;
 use isolux::number::Root;
 use isolux::scene::Scene;
-use isolux::transfer::{Codes, Pair, Transfer};
+use isolux::transfer::{Codes, Matrix, Pair, Transfer, Vectors};
 use isolux::visibility::records::{Blocker, Occluders, Target};
 use isolux::visibility::{Bracket, Capacities, Exact, Looked, Sum, VertexRays, Visibility};
 use rayon::prelude::*;
@@ -82,20 +82,63 @@ impl Visibility for Looking {
     }
 }
 
-/// Any rung of transfer: codes where the tables have them, else what a look
-/// finds. Samples are spread over the cores as [`Looking`] does.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Sending {
-    pub(super) sight: Looking,
-    pub(super) coded: bool,
+/// Any rung of transfer: what the tables have, else what a look finds. Samples are
+/// spread over the cores as [`Looking`] does.
+#[derive(Clone, Debug)]
+pub(super) enum Sending {
+    Exact(Looking),
+    Codes,
+    /// By the bits of a factor.
+    Matrix(u32),
+    Vectors,
+}
+
+impl Sending {
+    /// What these tables are read with.
+    pub(super) fn of(scene: &Scene<'_>, sight: Sight) -> Self {
+        let counts = scene.counts();
+        match () {
+            () if counts.responses > 0 => Self::Vectors,
+            () if counts.terms > 0 => Self::Matrix(counts.bits),
+            () if counts.is_coded() => Self::Codes,
+            () => Self::Exact(Looking::with(sight)),
+        }
+    }
 }
 
 impl Transfer for Sending {
     fn fits(scene: &Scene<'_>) -> Result<(), Error> {
-        match scene.counts().is_coded() {
-            false => <Looking as Transfer>::fits(scene),
-            true => Codes::fits(scene),
+        match Self::of(scene, Sight::None) {
+            Self::Exact(_) => <Looking as Transfer>::fits(scene),
+            Self::Codes => Codes::fits(scene),
+            Self::Matrix(4) => Matrix::<4>::fits(scene),
+            Self::Matrix(6) => Matrix::<6>::fits(scene),
+            Self::Matrix(_) => Matrix::<8>::fits(scene),
+            Self::Vectors => Vectors::fits(scene),
         }
+    }
+
+    fn sweeps(scene: &Scene<'_>) -> bool {
+        matches!(Self::of(scene, Sight::None), Self::Matrix(_))
+    }
+
+    fn is_in_the_end(scene: &Scene<'_>) -> bool {
+        matches!(Self::of(scene, Sight::None), Self::Vectors)
+    }
+
+    fn add<L: Luminance>(
+        &self,
+        scene: &Scene<'_>,
+        emitter: usize,
+        first: u32,
+        radiosity: L,
+        values: &mut [L::Colour],
+    ) -> bool {
+        match self {
+            Self::Matrix(bits) => scene.add_terms(*bits, emitter, first, radiosity, values),
+            _ => return false,
+        }
+        true
     }
 
     fn received<A: Arithmetic<f32>, L: Luminance>(
@@ -105,9 +148,15 @@ impl Transfer for Sending {
         pair: Pair,
         radiosity: L,
     ) -> L::Colour {
-        match self.coded {
-            true => Codes.received::<A, L>(scene, receiver, pair, radiosity),
-            false => Transfer::received::<A, L>(&mut self.sight, scene, receiver, pair, radiosity),
+        match self {
+            Self::Exact(sight) => {
+                Transfer::received::<A, L>(sight, scene, receiver, pair, radiosity)
+            }
+            Self::Codes => Codes.received::<A, L>(scene, receiver, pair, radiosity),
+            Self::Matrix(4) => Matrix::<4>.received::<A, L>(scene, receiver, pair, radiosity),
+            Self::Matrix(6) => Matrix::<6>.received::<A, L>(scene, receiver, pair, radiosity),
+            Self::Matrix(_) => Matrix::<8>.received::<A, L>(scene, receiver, pair, radiosity),
+            Self::Vectors => Vectors.received::<A, L>(scene, receiver, pair, radiosity),
         }
     }
 

@@ -51,12 +51,13 @@ pub fn choices(occluded: bool) -> Vec<Choice> {
     };
     let lesser = ["none", "vertex-rays"].map(|visibility| Choice { visibility, ..best });
     let outlines = ["isolux", "layer-cake"].map(|emitters| Choice { emitters, ..best });
-    let coded = Choice {
-        transfer: "codes",
-        ..best
-    };
+    let written = ["codes", "matrix"].map(|transfer| Choice { transfer, ..best });
     let lesser = lesser.into_iter().filter(|_| occluded);
-    lesser.chain(outlines).chain([best, coded]).collect()
+    lesser
+        .chain(outlines)
+        .chain([best])
+        .chain(written)
+        .collect()
 }
 
 /// A combination of rungs in a scene.

@@ -48,6 +48,13 @@ pub trait Colour: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// The sum of the channels: what powers are compared by.
     fn total(self) -> f32;
 
+    /// Whether every channel is so.
+    #[inline(always)]
+    fn all(self, is: impl Fn(f32) -> bool) -> bool {
+        let failing = self.map(|a| f32::from(u8::from(!is(a))));
+        failing.total() == 0.0
+    }
+
     /// The sum of two.
     #[inline(always)]
     fn plus(self, other: Self) -> Self {
@@ -131,7 +138,7 @@ pub trait Luminance: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// Coefficients a channel.
     const COEFFICIENTS: usize;
     /// Whether every member has as many weights, which may be negative; else it is
-    /// the members' plain mean, which is not.
+    /// the members' plain mean.
     const WEIGHTED: bool;
     /// No light.
     const DARK: Self;
@@ -142,10 +149,11 @@ pub trait Luminance: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// The mean radiosity.
     fn mean(self) -> Self::Colour;
 
-    /// What emitters with this mean are compared by: the sum of the channels.
+    /// What emitters with this mean are compared by: the sum of the channels'
+    /// magnitudes, since light that is to be taken away is left as well.
     #[inline(always)]
     fn strength(mean: Self::Colour) -> f32 {
-        mean.total()
+        mean.map(|x| if x < 0.0 { -x } else { x }).total()
     }
 
     /// A function of two, coefficient by coefficient.
@@ -218,8 +226,7 @@ impl<C: Colour> Luminance for Constant<C> {
 /// A radiosity that falls off in steps, B(x) = Σ_k ΔB_k [x inside outline k], is
 /// that of nested emitters, each of one increment all over: of what an outline
 /// encloses no inner loop is left out. The members' weights give the increment.
-/// Light is left as long as increments are, whatever their sign: the power unshot
-/// is then Σ |ΔB_k| A_k, not less than that of the sum.
+/// The power unshot is Σ |ΔB_k| A_k, not less than that of the sum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Increment<C>(
@@ -241,11 +248,6 @@ impl<C: Colour> Luminance for Increment<C> {
     #[inline(always)]
     fn mean(self) -> C {
         self.0
-    }
-
-    #[inline(always)]
-    fn strength(mean: C) -> f32 {
-        mean.map(|x| if x < 0.0 { -x } else { x }).total()
     }
 
     #[inline(always)]

@@ -71,7 +71,8 @@ impl<R: Root<f32>> Reconstruction for Stencils<R> {
     const MESHES: bool = true;
 }
 
-impl<'t, A, const SAMPLES: usize, const EMITTERS: usize, L, V> Light<'t, A, SAMPLES, EMITTERS, L, V>
+impl<'t, A, const SAMPLES: usize, const EMITTERS: usize, L, V, const SURFACES: usize>
+    Light<'t, A, SAMPLES, EMITTERS, L, V, SURFACES>
 where
     A: Arithmetic<f32>,
     L: Luminance,

@@ -100,28 +100,69 @@ pub(super) fn records(scene: &Scene<'_>) -> Result<(), Error> {
         let there = u32::from(member) < scene.header.counts.samples;
         ranges(What::Members, index, there)?;
     }
+    points(scene)?;
     codes(scene)?;
     super::fields::check(scene)
 }
 
-/// One code or fraction for each pair, and no occluders beside them.
+/// One code, term or fraction for each pair, and no occluders beside them.
 fn codes(scene: &Scene<'_>) -> Result<(), Error> {
     let counts = &scene.header.counts;
     let pairs = |of_luminaires, emitters: u32| {
         let receivers = |surface| scene.receivers(surface, of_luminaires).len() as u64;
-        let receivers: u64 = scene.surfaces.iter().map(receivers).sum();
+        let receivers: u64 = scene.receiving().iter().map(receivers).sum();
         receivers.saturating_mul(u64::from(emitters))
     };
     let secondary = counts.emitters.saturating_sub(counts.luminaires);
     let coded = counts.is_coded();
-    let sound = !coded
-        || (u64::from(counts.codes) == pairs(false, secondary)
-            && counts.coefficients == 3
-            && counts.occluders == 0);
+    let reflected = pairs(false, secondary);
+    let (codes, terms) = (u64::from(counts.codes), u64::from(counts.terms));
+    let linear = counts.coefficients == 3;
+    let responses = counts.responses > 0;
+    ranges(What::Codes, 0, !coded || counts.occluders == 0)?;
+    let sound = match (terms > 0, responses) {
+        (false, false) => !coded || (codes == reflected && linear),
+        _ => codes == 0,
+    };
     ranges(What::Codes, 0, sound)?;
+    let sound = terms == 0 || (terms == reflected && linear && !responses);
+    ranges(What::Terms, 0, sound)?;
+    let bits = match terms {
+        0 => counts.bits == 0,
+        _ => matches!(counts.bits, 4 | 6 | 8),
+    };
+    ranges(What::Bits, 0, bits)?;
     let direct = u64::from(counts.fractions);
-    let sound = direct == 0 || (coded && direct == pairs(true, counts.luminaires));
-    ranges(What::Fractions, 0, sound)
+    let sound = direct == 0 || (coded && !responses && direct == pairs(true, counts.luminaires));
+    ranges(What::Fractions, 0, sound)?;
+    self::responses(scene)?;
+    all(What::Scales, scene.scales, |scale| {
+        (0.0..=1.0).contains(scale)
+    })
+}
+
+/// One response for each luminaire, channel and sample, and nothing that reflects.
+fn responses(scene: &Scene<'_>) -> Result<(), Error> {
+    let counts = &scene.header.counts;
+    let rows = u64::from(counts.luminaires).saturating_mul(counts.channels.into());
+    let all = rows.saturating_mul(counts.samples.into());
+    let every = scene.receiving().iter().all(|surface| {
+        // Every sample counts, by its index among all.
+        surface.direct == 0 && surface.indirect == 0
+    });
+    let sound = counts.responses == 0
+        || (u64::from(counts.responses) == all && counts.emitters == counts.luminaires && every);
+    ranges(What::Responses, 0, sound)
+}
+
+/// Named points have one sample each, which receives all light.
+fn points(scene: &Scene<'_>) -> Result<(), Error> {
+    for (index, point) in (0..).zip(scene.points()) {
+        let sound =
+            point.samples == 1 && point.direct == 0 && point.indirect == 0 && point.fields == 0;
+        ranges(What::Points, index, sound)?;
+    }
+    Ok(())
 }
 
 /// Whether the sections that belong together are equally long.

@@ -14,6 +14,7 @@
 
 use super::Scene;
 use super::received::middle;
+use super::records::Counts;
 use crate::form_factor::Arithmetic;
 use crate::geometry::Receiver;
 use crate::luminance::{Colour, Luminance};
@@ -65,9 +66,10 @@ const MEANINGS: [(Method, f32); 16] = [
     (Method::Contour, 1.0),
 ];
 
-/// Codes in a word of the tables, and bits of each.
-pub(super) const A_WORD: u32 = 8;
-const BITS: u32 = 4;
+/// Bytes of the codes of tables with these counts.
+pub(super) const fn bytes(counts: &Counts) -> u64 {
+    counts.codes.div_ceil(8) as u64 * 4
+}
 
 impl Code {
     /// All codes, cheapest method first, and of one method by rising fraction.
@@ -108,9 +110,8 @@ impl Scene<'_> {
         let pair = (counts.codes / all)
             .wrapping_mul(secondary)
             .wrapping_add(receiver);
-        let word = self.codes.get((pair / A_WORD) as usize);
-        let shift = pair % A_WORD * BITS;
-        Code((word.copied().unwrap_or(0) >> shift & 0xf) as u8)
+        let both = self.codes.get((pair >> 1) as usize).copied();
+        Code(both.unwrap_or(0) >> (4 * (pair & 1)) & 0xf)
     }
 
     /// The part of a luminaire's form factor that is seen from a receiver,

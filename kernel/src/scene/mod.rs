@@ -5,11 +5,11 @@
 //! length; after that nothing can fail. The records are in [`records`]; the
 //! whole format:
 //!
-//! # Format, version 4
+//! # Format, version 5
 //!
 //! Little-endian, 4-byte aligned, no padding but where said. Every record has its
 //! fields in the order in which its type declares them, without gaps; their units are
-//! with them. A header ([`records::Header`]) of 148 bytes comes first:
+//! with them. A header ([`records::Header`]) of 164 bytes comes first:
 //!
 //! | offset | field | holds |
 //! | ---: | --- | --- |
@@ -17,15 +17,15 @@
 //! | 8 | `version` | `u32`, [`VERSION`] |
 //! | 12 | `bytes` | `u32`, length of the tables, header included |
 //! | 16 | `checksum` | `u32`, [`records::checksum`] of everything from offset 20 on |
-//! | 20 | `counts` | 27 `u32`, [`records::Counts`] |
-//! | 128 | `sight` | 4 `u32`, [`records::Sight`] |
-//! | 144 | `tolerance` | `f32`, metres |
+//! | 20 | `counts` | 31 `u32`, [`records::Counts`] |
+//! | 144 | `sight` | 4 `u32`, [`records::Sight`] |
+//! | 160 | `tolerance` | `f32`, metres |
 //!
 //! Then follow, without gaps,
 //!
 //! | section | record | bytes each |
 //! | --- | --- | --- |
-//! | surfaces | [`records::Surface`] | 88 |
+//! | surfaces | [`records::Surface`], the named points behind the surfaces | 88 |
 //! | reflectances | `f32`, one a surface and channel | 4 |
 //! | emitters | [`records::Emitter`] | 24 |
 //! | exitances | `f32`, π L in W m⁻², one a luminaire and channel | 4 |
@@ -41,8 +41,9 @@
 //! | samples | `[f32; 2]`, metres in the surface's frame | 8 |
 //! | weights | `f32`, one a coefficient of every member | 4 |
 //! | members | `u16` sample indices, padded to 4 bytes with 0 | 2 |
-//! | fractions | `u16`, visible fractions in 65 535ths, padded to 4 bytes with 0 | 2 |
-//! | codes | [`Code`], 8 a word, the first in the lowest bits, padded with 0 | ½ |
+//! | scales | `f32`, of terms one a receiver, of responses one a luminaire and channel | 4 |
+//! | fractions or responses | `u16`, padded to 4 bytes with 0 | 2 |
+//! | codes or terms | [`Code`], 2 a byte, or [`Term`], the first in the lowest bits, padded to 4 bytes with 0 | ½, 1, 1½ or 2 |
 //! | fields | [`fields::Field`] | 8 |
 //! | tensors | [`fields::Tensor`] | 52 |
 //! | matrices | `f32`, what makes Chebyshev coefficients of values at nodes | 4 |
@@ -61,9 +62,14 @@
 //! surface by what they receive.
 //!
 //! Tables with codes hold no occluders: what each sample sees of each emitter is
-//! written in the fractions (luminaires) and codes (what reflects). Both are
-//! ordered by emitter, and for one emitter by receiver; where there are codes
-//! but no fractions, every luminaire is seen whole.
+//! written in the fractions (luminaires, in 65 535ths) and codes (what reflects).
+//! Both are ordered by emitter, and for one emitter by receiver; where there are codes
+//! but no fractions, every luminaire is seen whole. Tables with a matrix have terms in
+//! place of codes. Tables with responses hold luminaires alone, and for each of them
+//! and each channel what every sample receives of its light in the end.
+//!
+//! A named point is written as a surface that neither emits nor reflects, of one
+//! sample at its corner, which receives all light; such records come last.
 //!
 //! A secondary emitter without loops is a point at the centre of its shape. What
 //! becomes of the samples' values between them is said with
@@ -72,11 +78,13 @@
 pub(crate) mod check;
 mod coded;
 pub mod fields;
+mod matrix;
 mod received;
 pub mod records;
 
 pub(crate) use check::BRIGHTEST;
 pub use coded::{Code, Method};
+pub use matrix::{Response, Term};
 
 use crate::Error;
 use crate::error::What;
@@ -91,7 +99,7 @@ use records::{Counts, Emitter, Header, Loop, Shape, Sight, Surface};
 use zerocopy::FromBytes;
 
 /// The version of the format that this kernel reads.
-pub const VERSION: u32 = 4;
+pub const VERSION: u32 = 5;
 
 /// The first eight bytes of every table.
 pub const MAGIC: [u8; 8] = *b"isolux\r\n";
@@ -122,8 +130,11 @@ pub struct Scene<'t> {
     samples: &'t [[f32; 2]],
     weights: &'t [f32],
     members: &'t [u16],
+    scales: &'t [f32],
+    /// Fractions, or responses.
     fractions: &'t [u16],
-    codes: &'t [u32],
+    /// Codes, or terms.
+    codes: &'t [u8],
     fields: Fields<'t>,
 }
 
@@ -161,6 +172,7 @@ impl<'t> Scene<'t> {
         samples: &[],
         weights: &[],
         members: &[],
+        scales: &[],
         fractions: &[],
         codes: &[],
         fields: Fields::NONE,
@@ -177,7 +189,7 @@ impl<'t> Scene<'t> {
             required_bytes(&header.counts)
         })?;
         let counts = &header.counts;
-        let (surfaces, rest) = section::<Surface>(rest, counts.surfaces)?;
+        let (surfaces, rest) = section::<Surface>(rest, receiving(counts))?;
         let (reflectances, rest) =
             section::<f32>(rest, counts.surfaces.saturating_mul(counts.channels))?;
         let (emitters, rest) = section::<Emitter>(rest, counts.emitters)?;
@@ -195,8 +207,11 @@ impl<'t> Scene<'t> {
         let (samples, rest) = section::<[f32; 2]>(rest, counts.samples)?;
         let (weights, rest) = section::<f32>(rest, counts.weights)?;
         let (members, rest) = section::<u16>(rest, even(counts.members))?;
-        let (fractions, rest) = section::<u16>(rest, even(counts.fractions))?;
-        let (codes, rest) = section::<u32>(rest, counts.codes.div_ceil(coded::A_WORD))?;
+        let (scales, rest) = section::<f32>(rest, matrix::scales(counts))?;
+        let fractions = counts.fractions.saturating_add(counts.responses);
+        let (half_words, rest) = section::<u16>(rest, even(fractions))?;
+        let codes = coded::bytes(counts).saturating_add(matrix::bytes(counts));
+        let (codes, rest) = section::<u8>(rest, u32::try_from(codes).unwrap_or(u32::MAX))?;
         let (fields, rest) = section::<Field>(rest, counts.fields)?;
         let (tensors, rest) = section::<Tensor>(rest, counts.tensors)?;
         let (matrices, rest) = section::<f32>(rest, counts.matrices)?;
@@ -225,7 +240,8 @@ impl<'t> Scene<'t> {
             samples,
             weights,
             members: slice(members, 0, counts.members),
-            fractions: slice(fractions, 0, counts.fractions),
+            scales,
+            fractions: slice(half_words, 0, fractions),
             codes,
             fields: Fields {
                 fields,
@@ -243,6 +259,17 @@ impl<'t> Scene<'t> {
 
     /// The surfaces, in the order of the scene file.
     pub fn surfaces(&self) -> &'t [Surface] {
+        slice(self.surfaces, 0, self.header.counts.surfaces)
+    }
+
+    /// The named points, in the order of the scene file: the place is the origin.
+    pub fn points(&self) -> &'t [Surface] {
+        let counts = &self.header.counts;
+        slice(self.surfaces, counts.surfaces, counts.points)
+    }
+
+    /// Surfaces and named points: all that has samples.
+    pub(crate) fn receiving(&self) -> &'t [Surface] {
         self.surfaces
     }
 
@@ -267,10 +294,11 @@ impl<'t> Scene<'t> {
     /// # Errors
     /// [`Error::Unknown`] where there is no such surface.
     pub fn surface(&self, index: usize) -> Result<&'t Surface, Error> {
-        self.surfaces.get(index).ok_or(Error::Unknown {
+        let surfaces = self.surfaces();
+        surfaces.get(index).ok_or(Error::Unknown {
             what: What::Surfaces,
             asked: index as u32,
-            have: self.surfaces.len() as u32,
+            have: surfaces.len() as u32,
         })
     }
 
@@ -419,6 +447,11 @@ pub(crate) fn slice<T>(all: &[T], first: u32, count: u32) -> &[T] {
         .unwrap_or(&[])
 }
 
+/// Surfaces and named points together.
+const fn receiving(counts: &Counts) -> u32 {
+    counts.surfaces.saturating_add(counts.points)
+}
+
 /// Half-words with their padding to whole words; the last number of all, which
 /// no table reaches, stays as it is.
 const fn even(half_words: u32) -> u32 {
@@ -431,7 +464,7 @@ pub const fn required_bytes(counts: &Counts) -> Option<u32> {
     let channels = counts.channels as u64;
     // No product of two 32-bit numbers and no record's size comes near 2^64.
     let sections = [
-        (counts.surfaces as u64, size_of::<Surface>() as u64),
+        (receiving(counts) as u64, size_of::<Surface>() as u64),
         (counts.surfaces as u64, 4 * channels),
         (counts.emitters as u64, size_of::<Emitter>() as u64),
         (counts.luminaires as u64, 4 * channels),
@@ -447,8 +480,12 @@ pub const fn required_bytes(counts: &Counts) -> Option<u32> {
         (counts.samples as u64, size_of::<[f32; 2]>() as u64),
         (counts.weights as u64, size_of::<f32>() as u64),
         (even(counts.members) as u64, size_of::<u16>() as u64),
-        (even(counts.fractions) as u64, size_of::<u16>() as u64),
-        (counts.codes.div_ceil(coded::A_WORD) as u64, 4),
+        (matrix::scales(counts) as u64, size_of::<f32>() as u64),
+        (
+            even(counts.fractions.saturating_add(counts.responses)) as u64,
+            size_of::<u16>() as u64,
+        ),
+        (coded::bytes(counts) + matrix::bytes(counts), 1),
         (counts.fields as u64, size_of::<Field>() as u64),
         (counts.tensors as u64, size_of::<Tensor>() as u64),
         (counts.matrices as u64, size_of::<f32>() as u64),

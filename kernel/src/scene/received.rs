@@ -252,13 +252,16 @@ impl Whole<'_> {
             }
             Looked::Parts if self.is_luminaire => {
                 // 0 ≤ F_visible ≤ F exactly: the sum of pieces may exceed the
-                // whole by rounding.
+                // whole by rounding. A radiosity below 0 is light taken away.
                 let limit = self.form_factor::<A>(outline);
-                let most = radiosity.received(limit, || [0.0; 2]);
-                let least = |x: f32, most: f32| if x < most { x } else { most };
+                let whole = radiosity.received(limit, || [0.0; 2]);
+                let within = |x: f32, whole: f32| {
+                    let beyond = if whole < 0.0 { x < whole } else { x > whole };
+                    if beyond { whole } else { x }
+                };
                 Bracket {
-                    low: low.zip(most, least),
-                    high: high.zip(most, least),
+                    low: low.zip(whole, within),
+                    high: high.zip(whole, within),
                 }
             }
             Looked::Parts => Bracket { low, high },

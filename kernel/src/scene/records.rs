@@ -31,9 +31,9 @@ const _: () = assert!(
         && offset_of!(Header, bytes) == 12
         && offset_of!(Header, checksum) == 16
         && offset_of!(Header, counts) == 20
-        && offset_of!(Header, sight) == 128
-        && offset_of!(Header, tolerance) == 144
-        && size_of::<Header>() == 148
+        && offset_of!(Header, sight) == 144
+        && offset_of!(Header, tolerance) == 160
+        && size_of::<Header>() == 164
 );
 
 /// The capacities of [`Exact`](crate::visibility::Exact) that a scene was
@@ -135,12 +135,22 @@ pub struct Counts {
     pub shares: u32,
     /// Values that the reconstruction of a surface needs room for, at the most.
     pub room: u32,
+    /// Named points: each a surface record behind the surfaces, with one sample.
+    pub points: u32,
+    /// Terms of the matrix: one for each secondary emitter and each sample that
+    /// receives reflected light, or none.
+    pub terms: u32,
+    /// Bits of a term's factor, as many as its place has: 4, 6 or 8; 0 where there
+    /// is no matrix.
+    pub bits: u32,
+    /// Responses: one for each luminaire, channel and sample, or none.
+    pub responses: u32,
 }
 
 impl Counts {
     /// Whether the host wrote down what is seen, in place of occluders.
     pub const fn is_coded(&self) -> bool {
-        self.codes > 0 || self.fractions > 0
+        self.codes > 0 || self.fractions > 0 || self.terms > 0 || self.responses > 0
     }
 
     /// Of nothing.
@@ -172,6 +182,10 @@ impl Counts {
         triangles: 0,
         shares: 0,
         room: 0,
+        points: 0,
+        terms: 0,
+        bits: 0,
+        responses: 0,
     };
 }
 

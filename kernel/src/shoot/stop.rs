@@ -55,12 +55,27 @@ pub(crate) trait Shooting {
     /// As [`shoot`](Self::shoot), if the unshot power is above this fraction of the
     /// emitted power.
     fn shoot_above(&mut self, fraction: f32) -> bool;
+    /// As many shots, `most` of them, as follow each other without a new look at what
+    /// is left; how many there were, 0 once that is below the fraction.
+    fn shoot_some(&mut self, fraction: f32, most: u32) -> u32 {
+        match most {
+            0 => 0,
+            _ => u32::from(self.shoot_above(fraction)),
+        }
+    }
 }
 
 /// Lights a scene from darkness until `stop`; the number of shots.
 #[inline]
 pub(crate) fn until(stop: Stop, light: &mut impl Shooting) -> u32 {
-    let mut shots = light.direct();
+    let direct = light.direct();
+    onwards(stop, direct, light)
+}
+
+/// Lights a scene that has seen so many `shots` until `stop`; the number of shots
+/// in all.
+#[inline]
+pub(crate) fn onwards(stop: Stop, mut shots: u32, light: &mut impl Shooting) -> u32 {
     match stop {
         Stop::Reflections(times) => {
             for _ in 0..times {
@@ -80,8 +95,12 @@ pub(crate) fn until(stop: Stop, light: &mut impl Shooting) -> u32 {
             fraction,
             shots: limit,
         } => {
-            while shots < limit && light.shoot_above(fraction) {
-                shots = shots.saturating_add(1);
+            while shots < limit {
+                let more = light.shoot_some(fraction, limit.saturating_sub(shots));
+                if more == 0 {
+                    break;
+                }
+                shots = shots.saturating_add(more);
             }
         }
     }

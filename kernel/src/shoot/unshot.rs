@@ -6,67 +6,99 @@ use crate::luminance::{Colour, Luminance};
 use crate::scene::BRIGHTEST;
 use crate::transfer::Transfer;
 
+/// A power of two that changes no digit of a fraction keeps the largest powers
+/// finite: 1e21 W m⁻² from 1e17 m² of 65 536 emitters.
+const SCALE: f32 = 1.0 / (1 << 24) as f32;
+
 /// What has not been shot.
 pub(super) struct Left {
     /// Its power as a fraction of the emitted power.
     pub(super) fraction: f32,
+    /// The emitted power, [`SCALE`]d.
+    emitted: f32,
     /// The emitter that has most of it; `None` where nothing is left.
     pub(super) brightest: Option<usize>,
 }
 
-impl<A, const SAMPLES: usize, const EMITTERS: usize, L, V> Light<'_, A, SAMPLES, EMITTERS, L, V>
+impl<A, const SAMPLES: usize, const EMITTERS: usize, L, V, const SURFACES: usize>
+    Light<'_, A, SAMPLES, EMITTERS, L, V, SURFACES>
 where
     A: Arithmetic<f32>,
     L: Luminance,
     V: Transfer,
 {
-    /// Power not yet shot as a fraction of the emitted power; 0 in a dark
-    /// scene.
+    /// Power not yet shot, Σ |B − shot| A, as a fraction of the emitted power; 0 in
+    /// a dark scene, 1 where nothing emits any more and light is still about.
     pub fn unshot_fraction(&self) -> f32 {
         self.left().fraction
     }
 
     /// What has not been shot.
     pub(super) fn left(&self) -> Left {
-        // A power of two that changes no digit of the fraction keeps the
-        // largest powers finite: 1e21 W m⁻² from 1e17 m² of 65 536 emitters.
-        const SCALE: f32 = 1.0 / (1 << 24) as f32;
         let (mut unshot, mut emitted, mut most) = (0.0, 0.0, 0.0);
         let mut brightest = None;
         for (index, emitter) in self.tables().emitters().iter().enumerate() {
             let radiosity = L::strength(self.unshot_mean(index));
-            unshot += if radiosity > 0.0 { radiosity } else { 0.0 } * SCALE * emitter.area;
+            unshot += radiosity * SCALE * emitter.area;
             // Not scaled: the smallest powers must be told apart.
             let power = radiosity * emitter.area;
             if power > most {
                 (brightest, most) = (Some(index), power);
             }
-            let exitance = self.tables().exitance::<L::Colour>(index).total();
-            emitted += exitance * SCALE * emitter.area;
+            emitted += self.exitance(index).total() * SCALE * emitter.area;
         }
         Left {
-            fraction: if emitted > 0.0 { unshot / emitted } else { 0.0 },
+            fraction: match (emitted > 0.0, unshot > 0.0) {
+                (true, _) => unshot / emitted,
+                (false, left) => f32::from(u8::from(left)),
+            },
+            emitted,
             brightest,
         }
     }
 
-    /// Radiosity of an emitter that it has not yet shot.
-    ///
-    /// In tables of an impossible scene more may arrive than was sent, and
-    /// grow: it is held where every sum of it is finite. A constant radiosity is
-    /// not below 0, which only rounding makes it; a linear one may be in a
-    /// channel where its samples' fit is.
-    pub(super) fn unshot(&self, index: usize) -> L {
-        let Some(state) = self.emitters.get(index) else {
-            return L::DARK;
-        };
-        let exitance = L::uniform(self.tables().exitance(index));
-        exitance
-            .zip(self.reflected(index), Colour::plus)
-            .zip(state.shot, |all, shot| all.zip(shot, Self::held))
+    /// Lets every emitter shoot in turn, what has reached it up to then, but for those
+    /// whose part in what is unshot may stay: if none has more, all of it is below
+    /// three quarters of the fraction. The number of shots, at most `most`; 0 once it is below the
+    /// fraction.
+    pub(super) fn sweep(&mut self, fraction: f32, most: u32) -> u32 {
+        let left = self.left();
+        if left.fraction <= fraction {
+            return 0;
+        }
+        let emitters = self.emitters.len();
+        let least = 0.75 * fraction * left.emitted / emitters as f32;
+        let mut shots = 0_u32;
+        for (index, emitter) in self.tables().emitters().iter().enumerate() {
+            if shots >= most {
+                break;
+            }
+            self.settle(index);
+            let pending = self.emitters.get(index).map(|state| {
+                let pending = state.due.mean().zip(state.shot.mean(), held);
+                L::strength(pending)
+            });
+            if pending.unwrap_or(0.0) * SCALE * emitter.area > least {
+                shots = shots.saturating_add(u32::from(self.send(index)));
+            }
+        }
+        shots
     }
 
-    /// The mean of [`unshot`](Self::unshot), to the bit, for a third of its cost.
+    /// What an emitter is to have shot becomes what its samples receive now makes it
+    /// reflect. A luminaire emits what it was set to.
+    pub(super) fn settle(&mut self, index: usize) {
+        if self.tables().is_luminaire(index) {
+            return;
+        }
+        let due = self.reflected(index);
+        if let Some(state) = self.emitters.get_mut(index) {
+            state.due = due;
+        }
+    }
+
+    /// The mean of what an emitter has not yet shot, to the bit, for a third of the
+    /// cost of all of it.
     fn unshot_mean(&self, index: usize) -> L::Colour {
         let (Some(state), Some(emitter)) = (
             self.emitters.get(index),
@@ -74,9 +106,9 @@ where
         ) else {
             return L::Colour::DARK;
         };
-        let exitance = self.tables().exitance::<L::Colour>(index);
-        let mut mean = L::Colour::DARK;
-        if emitter.members > 0 {
+        let mut mean = state.due.mean();
+        if !self.tables().is_luminaire(index) {
+            mean = L::Colour::DARK;
             for (sample, weights) in self.tables().members_of(emitter) {
                 let irradiance = self.irradiance.get(sample).copied();
                 let irradiance = irradiance.unwrap_or(L::Colour::DARK);
@@ -85,33 +117,20 @@ where
                     None => irradiance,
                 });
             }
-            if !L::WEIGHTED {
+            if !L::WEIGHTED && emitter.members > 0 {
                 mean = mean.map(|sum| sum / emitter.members as f32);
             }
-            let reflectance = self
-                .tables()
-                .reflectance::<L::Colour>(emitter.surface as usize);
+            let reflectance = self.reflectance(emitter.surface as usize);
             mean = mean.zip(reflectance, |e, rho| rho * e);
         }
-        let all = exitance.plus(mean);
-        all.zip(state.shot.mean(), Self::held)
-    }
-
-    /// `all` less `shot`, held.
-    fn held(all: f32, shot: f32) -> f32 {
-        let lowest = if L::WEIGHTED { -BRIGHTEST } else { 0.0 };
-        let value = all - shot;
-        if value > BRIGHTEST {
-            BRIGHTEST
-        } else if value > lowest {
-            value
-        } else {
-            lowest
-        }
+        mean.zip(state.shot.mean(), held)
     }
 
     /// ρ times the irradiance of the emitter's members: their mean, or what
     /// their weights make of it.
+    ///
+    /// By itself: its sums are not on the stack while it shoots.
+    #[inline(never)]
     fn reflected(&self, index: usize) -> L {
         let Some(emitter) = self.tables().emitters().get(index) else {
             return L::DARK;
@@ -124,10 +143,29 @@ where
             let irradiance = self.irradiance.get(sample).copied();
             sum = sum.gather(irradiance.unwrap_or(L::Colour::DARK), weights);
         }
-        let reflectance = self
-            .tables()
-            .reflectance::<L::Colour>(emitter.surface as usize);
+        let reflectance = self.reflectance(emitter.surface as usize);
         sum.gathered(emitter.members as usize)
             .zip(L::DARK, |all, _| all.zip(reflectance, |e, rho| rho * e))
+    }
+}
+
+/// `due` less `shot`: what is unshot; below 0 what is to be taken away again, where
+/// a luminaire was dimmed.
+///
+/// In tables of an impossible scene more may arrive than was sent, and grow: it is
+/// held where every sum of it is finite.
+pub(super) fn difference<L: Luminance>(due: L, shot: L) -> L {
+    due.zip(shot, |due, shot| due.zip(shot, held))
+}
+
+/// `all` less `shot`, held where sums of it are finite.
+fn held(all: f32, shot: f32) -> f32 {
+    let value = all - shot;
+    if value > BRIGHTEST {
+        BRIGHTEST
+    } else if value > -BRIGHTEST {
+        value
+    } else {
+        -BRIGHTEST
     }
 }

@@ -335,6 +335,9 @@ impl<
         }
     }
 
+    // Its polygons are then not on the stack while a form factor of the whole is
+    // computed.
+    #[inline(never)]
     fn look(
         &mut self,
         receiver: &Receiver<N>,

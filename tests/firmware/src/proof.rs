@@ -34,15 +34,15 @@ mod entries {
     };
     use isolux::geometry::{Plane, Receiver};
     use isolux::integers;
-    use isolux::luminance::{Constant, Linear};
+    use isolux::luminance::{Constant, Linear, Rgb};
     use isolux::number::{self, Root, SoftRoot};
     use isolux::resample::{self, Filtered, Reconstructed, Row, Stencils, Tensors};
     use isolux::scene::records::{self, Counts, Emitter, Surface};
     use isolux::scene::{Scene, required_bytes};
     use isolux::shoot::{self, Solved, Stop};
-    use isolux::transfer::Codes;
+    use isolux::transfer::{Codes, Matrix, Vectors};
     use isolux::visibility::records::{Blocker, Occluders, Target};
-    use isolux::visibility::{Bracket, Exact, Gathered, VertexRays, Visibility};
+    use isolux::visibility::{Bracket, Exact, Gathered, Unoccluded, VertexRays, Visibility};
     use isolux::{Error, budget};
 
     use crate::root::Chosen;
@@ -66,6 +66,13 @@ mod entries {
     type BestLight<'t> = Light<'t, Best<Chosen>>;
     type LibmLight<'t> = Light<'t, Libm<Chosen>>;
     type CodedLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Linear<f32>, Codes>;
+
+    /// Reflectances that may change, in colour.
+    type ColouredLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Constant<Rgb>, Unoccluded, 8>;
+
+    type MatrixLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Linear<f32>, Matrix<8>>;
+    type TightLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Linear<Rgb>, Matrix<6>>;
+    type VectorsLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Constant<Rgb>, Vectors>;
 
     type Workspace = Exact<8, 4, 24, 6>;
     type WithMeshes = Reconstructed<'static, 'static, Stencils<Chosen>, f32>;
@@ -222,11 +229,50 @@ mod entries {
         fn isolux_entry_light_solve(light: &mut BestLight<'static>, stop: Stop) -> Solved {
             light.solve(stop)
         }
+        fn isolux_entry_light_set_radiance(light: &mut BestLight<'static>, luminaire: usize, radiance: f32) -> Result<(), Error> {
+            light.set_radiance(luminaire, radiance)
+        }
+        fn isolux_entry_light_set_radiance_in_colour(light: &mut ColouredLight<'static>, luminaire: usize, radiance: Rgb) -> Result<(), Error> {
+            light.set_radiance(luminaire, radiance)
+        }
+        fn isolux_entry_light_set_reflectance(light: &mut ColouredLight<'static>, surface: usize, reflectance: Rgb) -> Result<(), Error> {
+            light.set_reflectance(surface, reflectance)
+        }
+        fn isolux_entry_light_radiance(light: &BestLight<'static>, luminaire: usize) -> f32 {
+            light.radiance(luminaire)
+        }
+        fn isolux_entry_light_update(light: &mut BestLight<'static>, stop: Stop) -> Solved {
+            light.update(stop)
+        }
+        fn isolux_entry_light_solve_in_colour(light: &mut ColouredLight<'static>, stop: Stop) -> Solved {
+            light.solve(stop)
+        }
+        fn isolux_entry_light_update_in_colour(light: &mut ColouredLight<'static>, stop: Stop) -> Solved {
+            light.update(stop)
+        }
         fn isolux_entry_light_new_coded(scene: Scene<'static>) -> Result<CodedLight<'static>, Error> {
             CodedLight::new(scene)
         }
         fn isolux_entry_light_solve_coded(light: &mut CodedLight<'static>, stop: Stop) -> Solved {
             light.solve(stop)
+        }
+        fn isolux_entry_light_new_matrix(scene: Scene<'static>) -> Result<MatrixLight<'static>, Error> {
+            MatrixLight::new(scene)
+        }
+        fn isolux_entry_light_solve_matrix(light: &mut MatrixLight<'static>, stop: Stop) -> Solved {
+            light.solve(stop)
+        }
+        fn isolux_entry_light_update_matrix_of_6_bits(light: &mut TightLight<'static>, stop: Stop) -> Solved {
+            light.update(stop)
+        }
+        fn isolux_entry_light_new_vectors(scene: Scene<'static>) -> Result<VectorsLight<'static>, Error> {
+            VectorsLight::new(scene)
+        }
+        fn isolux_entry_light_update_vectors(light: &mut VectorsLight<'static>, stop: Stop) -> Solved {
+            light.update(stop)
+        }
+        fn isolux_entry_light_point(light: &BestLight<'static>, index: usize) -> Result<f32, Error> {
+            light.point(index)
         }
         fn isolux_entry_light_solve_libm(light: &mut LibmLight<'static>, stop: Stop) -> Solved {
             light.solve(stop)

@@ -119,7 +119,7 @@ fn plot(name: &str, rows: &[InRoom]) -> Result<Picture, PictureError> {
             transfer,
         } = choice;
         match (*visibility, *emitters, *transfer) {
-            (_, "linear", "codes") => "codes".to_owned(),
+            (_, "linear", written @ ("codes" | "matrix")) => written.to_owned(),
             (seen, "linear", _) => format!("{seen}, linear"),
             (_, emitters, _) => emitters.to_owned(),
         }

@@ -13,17 +13,11 @@
 //! Direct light does not vary over a luminaire: its visible fraction, in 16 bits,
 //! is all there is to say.
 
-mod room;
-
-use super::Tables;
-use crate::solve::HostRoot;
-use isolux::form_factor::Best;
+use super::room::{Light, Room, Rung, UNIT, fractions, places, received};
+use super::{Tables, Written};
 use isolux::geometry::Receiver;
-use isolux::scene::records::Surface;
 use isolux::scene::{Code, Method, Scene};
-use isolux::visibility::Exact;
 use rayon::prelude::*;
-use room::{Light, Room, UNIT, received, seen};
 
 /// The part of a sample's irradiance that a code may err by.
 const TOLERANCE: f64 = 0.002;
@@ -35,117 +29,36 @@ const NEGLIGIBLE: f64 = TOLERANCE / 4.0;
 /// a code is taken that brings them down, whatever it costs.
 const BALANCE: f64 = TOLERANCE / 8.0;
 
-/// The rung that terms are computed with; codes hold for any other as well.
-type Rung = Best<HostRoot>;
-
-/// The workspace that looks.
-type Workspace = Exact<32, 64, 256, 64>;
-
-/// What stands in place of occluders.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Codes {
-    /// How many codes there are.
-    pub(super) pairs: usize,
-    /// The codes, eight a word.
-    pub(super) words: Vec<u32>,
-    /// Visible fractions of luminaires; none where all is seen.
-    pub(super) fractions: Vec<u16>,
-}
-
 /// The codes of a scene of linear patches.
-pub(super) fn of(tables: &Tables) -> Codes {
+pub(super) fn of(tables: &Tables) -> Written {
     let Ok(scene) = Scene::load(tables.bytes()) else {
-        return Codes::default();
+        return Written::default();
     };
     let places = places(&scene);
     let room = Room::new(&scene, &places);
     let patches = room.patches().len();
     let codes = room.codes();
-    let mut words = vec![0; (patches * codes.len()).div_ceil(8)];
+    let pairs = patches * codes.len();
+    let mut bytes = vec![0; pairs.div_ceil(8) * 4];
     for patch in 0..patches {
         for (receiver, of_receiver) in codes.iter().enumerate() {
             let pair = patch * codes.len() + receiver;
-            words[pair / 8] |= of_receiver[patch].bits() << (pair % 8 * 4);
+            bytes[pair / 2] |= (of_receiver[patch].bits() << (pair % 2 * 4)) as u8;
         }
     }
-    Codes {
-        pairs: patches * codes.len(),
-        words,
+    Written {
+        codes: pairs,
+        bytes,
         fractions: fractions(&scene, &places),
+        ..Written::default()
     }
-}
-
-/// A sample as the planner knows it.
-struct Place {
-    /// `None` where it is no receiver: it then gets nothing.
-    receiver: Option<Receiver<f32>>,
-    /// Whether it receives from luminaires, and from what reflects.
-    direct: bool,
-    reflected: bool,
-    /// Whether it looks past what occludes.
-    unshadowed: bool,
-}
-
-/// All samples, in the order of the tables.
-fn places(scene: &Scene<'_>) -> Vec<Place> {
-    let of_surface = |surface: &Surface| -> Vec<Place> {
-        let (_, places) = scene.samples_of(surface);
-        let direct = ..places.len() - surface.indirect as usize;
-        let reflected = surface.direct as usize..;
-        let places = places.iter().enumerate();
-        places
-            .map(|(k, &place)| Place {
-                receiver: Receiver::new::<HostRoot>(surface.place(place).into(), surface.normal)
-                    .ok(),
-                direct: direct.contains(&k),
-                reflected: reflected.contains(&k),
-                unshadowed: k < surface.unshadowed as usize,
-            })
-            .collect()
-    };
-    scene.surfaces().iter().flat_map(of_surface).collect()
-}
-
-/// What every sample sees of every luminaire, by luminaire: none where all of
-/// them see all.
-fn fractions(scene: &Scene<'_>, places: &[Place]) -> Vec<u16> {
-    let direct: Vec<&Place> = places.iter().filter(|place| place.direct).collect();
-    let fractions: Vec<u16> = (0..scene.counts().luminaires as usize)
-        .flat_map(|luminaire| {
-            let of_sample = |place: &&Place| match place.unshadowed {
-                true => u16::MAX,
-                false => fraction(scene, luminaire, place.receiver.as_ref()),
-            };
-            let fractions: Vec<u16> = direct.par_iter().map(of_sample).collect();
-            fractions
-        })
-        .collect();
-    match fractions.iter().all(|&fraction| fraction == u16::MAX) {
-        true => Vec::new(),
-        false => fractions,
-    }
-}
-
-/// The visible part of a luminaire's form factor in 65 535ths; what is below the
-/// horizon counts as seen.
-fn fraction(scene: &Scene<'_>, luminaire: usize, receiver: Option<&Receiver<f32>>) -> u16 {
-    let (Some(receiver), Some(emitter)) = (receiver, scene.emitters().get(luminaire)) else {
-        return u16::MAX;
-    };
-    let whole = scene.form_factor::<Rung>(receiver, emitter);
-    if whole <= 0.0 {
-        return u16::MAX;
-    }
-    let part = f64::from(seen(scene, luminaire, receiver)) / f64::from(whole);
-    // The cast saturates.
-    (part * f64::from(u16::MAX)).round() as u16
 }
 
 impl Room<'_> {
     /// The codes, by sample with reflected light, then by patch.
     fn codes(&self) -> Vec<Vec<Code>> {
         let lights = self.lights();
-        let reflected: Vec<&Place> = self.places.iter().filter(|p| p.reflected).collect();
+        let reflected = self.reflected_places();
         (0..reflected.len())
             .into_par_iter()
             .map(|index| match &reflected[index].receiver {

@@ -1,14 +1,91 @@
 //! A room's exact transfer, and the light of every luminaire in it.
 
-use super::{Place, Rung, Workspace};
+use crate::solve::HostRoot;
+use isolux::form_factor::Best;
 use isolux::geometry::Receiver;
 use isolux::luminance::{Constant, Linear, Rgb};
 use isolux::scene::Scene;
+use isolux::scene::records::Surface;
+use isolux::visibility::Exact;
 use rayon::prelude::*;
 use std::ops::Range;
 
+/// The rung that terms are computed with; codes and terms hold for any
+/// other as well.
+pub(super) type Rung = Best<HostRoot>;
+
+/// The workspace that looks.
+type Workspace = Exact<32, 64, 256, 64>;
+
+/// A sample as the planner knows it.
+pub(super) struct Place {
+    /// `None` where it is no receiver: it then gets nothing.
+    pub(super) receiver: Option<Receiver<f32>>,
+    /// Whether it receives from luminaires, and from what reflects.
+    pub(super) direct: bool,
+    pub(super) reflected: bool,
+    /// Whether it looks past what occludes.
+    unshadowed: bool,
+}
+
+/// All samples, in the order of the tables.
+pub(super) fn places(scene: &Scene<'_>) -> Vec<Place> {
+    let of_surface = |surface: &Surface| -> Vec<Place> {
+        let (_, places) = scene.samples_of(surface);
+        let direct = ..places.len() - surface.indirect as usize;
+        let reflected = surface.direct as usize..;
+        let places = places.iter().enumerate();
+        places
+            .map(|(k, &place)| Place {
+                receiver: Receiver::new::<HostRoot>(surface.place(place).into(), surface.normal)
+                    .ok(),
+                direct: direct.contains(&k),
+                reflected: reflected.contains(&k),
+                unshadowed: k < surface.unshadowed as usize,
+            })
+            .collect()
+    };
+    let receiving = scene.surfaces().iter().chain(scene.points());
+    receiving.flat_map(of_surface).collect()
+}
+
+/// What every sample sees of every luminaire, by luminaire: none where all of
+/// them see all.
+pub(super) fn fractions(scene: &Scene<'_>, places: &[Place]) -> Vec<u16> {
+    let direct: Vec<&Place> = places.iter().filter(|place| place.direct).collect();
+    let fractions: Vec<u16> = (0..scene.counts().luminaires as usize)
+        .flat_map(|luminaire| {
+            let of_sample = |place: &&Place| match place.unshadowed {
+                true => u16::MAX,
+                false => fraction(scene, luminaire, place.receiver.as_ref()),
+            };
+            let fractions: Vec<u16> = direct.par_iter().map(of_sample).collect();
+            fractions
+        })
+        .collect();
+    match fractions.iter().all(|&fraction| fraction == u16::MAX) {
+        true => Vec::new(),
+        false => fractions,
+    }
+}
+
+/// The visible part of a luminaire's form factor in 65 535ths; what is below the
+/// horizon counts as seen.
+fn fraction(scene: &Scene<'_>, luminaire: usize, receiver: Option<&Receiver<f32>>) -> u16 {
+    let (Some(receiver), Some(emitter)) = (receiver, scene.emitters().get(luminaire)) else {
+        return u16::MAX;
+    };
+    let whole = scene.form_factor::<Rung>(receiver, emitter);
+    if whole <= 0.0 {
+        return u16::MAX;
+    }
+    let part = f64::from(seen(scene, luminaire, receiver)) / f64::from(whole);
+    // The cast saturates.
+    (part * f64::from(u16::MAX)).round() as u16
+}
+
 /// The form factor of what is seen of an emitter.
-pub(super) fn seen(scene: &Scene<'_>, emitter: usize, receiver: &Receiver<f32>) -> f32 {
+fn seen(scene: &Scene<'_>, emitter: usize, receiver: &Receiver<f32>) -> f32 {
     let mut sight = Workspace::new();
     let one = Constant(1.0_f32);
     let bracket = scene.received::<Rung, _, _>(receiver, emitter, one, &mut sight);
@@ -54,7 +131,8 @@ pub(super) struct Room<'a> {
 
 impl<'a> Room<'a> {
     pub(super) fn new(scene: &'a Scene<'a>, places: &'a [Place]) -> Self {
-        let reflected: Vec<&Place> = places.iter().filter(|place| place.reflected).collect();
+        let reflected = places.iter().filter(|place| place.reflected);
+        let reflected: Vec<&Place> = reflected.collect();
         let patches = scene.counts().luminaires as usize..scene.emitters().len();
         let of_sample = |place: &&Place| -> Vec<Term> {
             let mut sight = Workspace::new();
@@ -72,6 +150,11 @@ impl<'a> Room<'a> {
             places,
             terms,
         }
+    }
+
+    /// The samples that receive reflected light, in the order of the terms.
+    pub(super) fn reflected_places(&self) -> Vec<&'a Place> {
+        self.places.iter().filter(|place| place.reflected).collect()
     }
 
     pub(super) fn patches(&self) -> Range<usize> {

@@ -1,0 +1,117 @@
+//! What a dimming costs on the emulated Cortex-M4F, with the host's bits.
+//!
+//! Skipped, loudly, where a tool is missing; with `ISOLUX_REQUIRE_QEMU=1` in the
+//! environment that is a failure instead.
+
+use crate::program::isolux;
+use isolux::form_factor::Best;
+use isolux::luminance::{Constant, Linear, Luminance};
+use isolux::scene::Scene;
+use isolux::shoot::{Light, Stop};
+use isolux::transfer::{Codes, Matrix, Transfer, Vectors};
+use isolux_host::device::{self, Core, Job, Relit};
+use isolux_host::scene::Budget;
+use isolux_host::solve::HostRoot;
+use std::fs;
+use std::time::Duration;
+
+const STOP: Stop = Stop::below(0.001);
+
+/// The tables of the shipped office, as the program bakes them.
+fn office(transfer: &str) -> Vec<u32> {
+    let directory = tempfile::tempdir().expect("a directory");
+    let arguments = [
+        "bake",
+        "office",
+        "--placement",
+        "isolux",
+        "--transfer",
+        transfer,
+        "-o",
+        "office",
+    ];
+    let ran = isolux(&arguments, directory.path(), "");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let bytes = fs::read(directory.path().join("office/office.isolux")).expect("tables");
+    let word = |word: &[u8]| u32::from_le_bytes(word.try_into().expect("four bytes"));
+    bytes.chunks_exact(4).map(word).collect()
+}
+
+/// The host's bits after the same steps.
+fn expected<L: Luminance<Colour = f32>, V: Transfer + Default>(tables: &[u8]) -> Vec<u32> {
+    let scene = Scene::load(tables).expect("sound tables");
+    type Room<'t, L, V> = Light<'t, Best<HostRoot>, 1024, 128, L, V>;
+    let mut light = Box::new(Room::<L, V>::new(scene).expect("room"));
+    light.solve(STOP);
+    light
+        .set_radiance(0, light.radiance(0) * 0.5)
+        .expect("sound");
+    light.update(STOP);
+    let points = (0..scene.points().len()).map(|point| light.point(point).expect("a point"));
+    assert_eq!(points.len(), 4);
+    let samples = light.irradiance().iter().copied();
+    samples.chain(points).map(f32::to_bits).collect()
+}
+
+/// Runs it on the device; `None` where there is none.
+fn relit(tables: &[u8]) -> Option<Relit> {
+    let job = Job {
+        scene: "office",
+        tables,
+        arithmetic: "best",
+        visibility: "exact",
+        stop: STOP,
+        resolution: 1,
+        expected: &[],
+        budget: Budget::default(),
+    };
+    match device::relit(&job, Core::CortexM4F, Duration::from_secs(300)) {
+        Ok(relit) => Some(relit),
+        Err(error) => {
+            let required = std::env::var_os("ISOLUX_REQUIRE_QEMU").is_some();
+            assert!(error.is_missing() && !required, "{error}");
+            eprintln!("SKIPPED: {error}");
+            None
+        }
+    }
+}
+
+fn measured<L: Luminance<Colour = f32>, V: Transfer + Default>(transfer: &str) -> Option<Relit> {
+    let words = office(transfer);
+    let tables = zerocopy::IntoBytes::as_bytes(&words[..]);
+    let expected = expected::<L, V>(tables);
+    let relit = relit(tables)?;
+    println!(
+        "office, {transfer}: {} bytes of tables; first solve {} instructions, {} shots; one luminaire dimmed {}, {}; stack {}",
+        tables.len(),
+        relit.solve,
+        relit.shots[0],
+        relit.update,
+        relit.shots[1],
+        relit.stack
+    );
+    assert!(relit.values == expected, "other bits than the host's");
+    assert!(relit.update < relit.solve);
+    Some(relit)
+}
+
+/// What is asked for: no more than 5 million instructions where terms are stored.
+#[test]
+fn a_dimming_with_a_matrix_costs_few_instructions() {
+    if let Some(relit) = measured::<Linear<f32>, Matrix<8>>("matrix") {
+        assert!(relit.update <= 5_000_000, "{}", relit.update);
+    }
+}
+
+/// And no more than a fifth of a million where responses are.
+#[test]
+fn a_dimming_with_vectors_costs_next_to_nothing() {
+    if let Some(relit) = measured::<Constant<f32>, Vectors>("vectors") {
+        assert!(relit.update <= 200_000, "{}", relit.update);
+    }
+}
+
+#[test]
+fn a_dimming_with_codes_has_the_hosts_bits() {
+    measured::<Linear<f32>, Codes>("codes");
+}
