@@ -86,6 +86,13 @@ fn the_whole_kernel_in_integers_reaches_no_floating_point() {
     }
 }
 
+/// The functions with one of these parts in their names.
+fn named<'f>(flash: &'f Flash, parts: &[&str]) -> Vec<&'f String> {
+    let functions = flash.functions.iter();
+    let is_one = |name: &&String| parts.iter().any(|part| name.contains(part));
+    functions.filter(is_one).collect()
+}
+
 fn holds(flash: &Flash, part: &str) -> bool {
     flash.functions.iter().any(|name| name.contains(part))
 }
@@ -103,7 +110,8 @@ fn the_whole_kernel_with_one_rung_holds_no_other() {
             assert_eq!(
                 !found.is_empty(),
                 expected,
-                "{rung}: {found:?} of {parts:?}"
+                "{rung}: {found:?} of {parts:?}: {:?}",
+                named(flash, parts)
             );
         }
         for part in NEVER {

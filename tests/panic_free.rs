@@ -16,6 +16,9 @@ const ENTRY: &str = "isolux_entry_";
 /// to keep free for the kernel.
 const STACK: u64 = 2048;
 
+/// The same where there is no FPU: what its registers hold elsewhere is on the stack.
+const STACK_WITHOUT_FPU: u64 = 2112;
+
 /// The same for the entry points in `f64`, which only the host uses: every
 /// number is twice as long and every operation a call.
 const STACK_F64: u64 = 4096;
@@ -115,6 +118,8 @@ fn every_entry_is_bounded(toolchain: &Toolchain, core: Core, program: &Path) {
         );
         let most = if name.ends_with("_f64") {
             STACK_F64
+        } else if core == Core::CortexM3 {
+            STACK_WITHOUT_FPU
         } else {
             STACK
         };

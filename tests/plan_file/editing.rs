@@ -87,7 +87,7 @@ fn every_command_that_plans_takes_a_plan() {
     planned("penumbra", path, "a.plan");
     let checked = answered(&["check", "penumbra", "--plan", "a.plan", "--json"], path);
     let checked: serde_json::Value = serde_json::from_str(&checked).expect("JSON");
-    assert_eq!(checked["capacities"]["samples"], 81);
+    assert_eq!(checked["capacities"]["samples"], 81 + 3);
     for command in ["render", "solve", "device", "trade", "check"] {
         let help = answered(&[command, "--help"], path);
         assert!(help.contains("--plan <FILE>"), "{command}");

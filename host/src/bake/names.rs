@@ -119,6 +119,6 @@ mod tests {
     #[test]
     fn no_name_ends_its_line() {
         let text = indices("surfaces", "", &["a\n/* \" */".to_owned()]);
-        assert_eq!(text.lines().count(), 5, "{text}");
+        assert_eq!(text.lines().count(), 6, "{text}");
     }
 }

@@ -112,13 +112,7 @@ fn baked(
     let tables = if choices.arithmetic.is_integer() {
         bake::integers::bake(&scene, &plan).map_err(too_large)?
     } else {
-        let baked = match choices.transfer {
-            Transfer::Exact => bake::bake(&scene, &plan, occlusion),
-            Transfer::Codes => bake::bake_coded(&scene, &plan, occlusion),
-            Transfer::Matrix => bake::bake_matrix(&scene, &plan, occlusion, TERM_BITS),
-            Transfer::Vectors => bake::bake_vectors(&scene, &plan, occlusion),
-        };
-        baked.map_err(too_large)?
+        tables(&scene, choices, &plan, occlusion).map_err(too_large)?
     };
     let planned = Planned {
         scene,
@@ -135,6 +129,21 @@ fn baked(
         tables,
     };
     Ok(planned)
+}
+
+/// Tables in floating point.
+fn tables(
+    scene: &Scene,
+    choices: &Choices,
+    plan: &Plan,
+    occlusion: Option<Occlusion>,
+) -> Result<Tables, bake::TooLarge> {
+    match choices.transfer {
+        Transfer::Exact => bake::bake(scene, plan, occlusion),
+        Transfer::Codes => bake::bake_coded(scene, plan, occlusion),
+        Transfer::Matrix => bake::bake_matrix(scene, plan, occlusion, TERM_BITS),
+        Transfer::Vectors => bake::bake_vectors(scene, plan, occlusion),
+    }
 }
 
 /// Decides where samples are and what shoots.
@@ -178,8 +187,9 @@ fn place(
     };
     let progress = Progress::start("planning", 0);
     let looking = (occlusion, choices.sight);
+    let bake = |plan: &Plan| tables(scene, choices, plan, occlusion.cloned());
     let manner = pilot::Manner {
-        coded: choices.transfer == Transfer::Codes,
+        bake: Some(&bake),
         for_camera: choices.for_camera,
     };
     let plan = match choices.placement {

@@ -7,7 +7,8 @@ use super::choice::RungArguments;
 use super::failure::Failure;
 use super::pipeline;
 use super::sheet::Sheet;
-use crate::device::{DEVICE_FLASH, DEVICE_RAM};
+use crate::device::DEVICE_RAM;
+use crate::pilot::FLASH;
 use crate::plan::file;
 use crate::report::write_file;
 use crate::scene::Rungs;
@@ -80,7 +81,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     let wishes = Wishes {
         samples: arguments.samples.or(budget.samples),
         ram: arguments.ram.or(budget.ram).or(Some(DEVICE_RAM)),
-        flash: arguments.flash.or(budget.flash).or(Some(DEVICE_FLASH)),
+        flash: arguments.flash.or(budget.flash).or(Some(FLASH as u64)),
         error: arguments.max_error,
     };
     let found = search::plan(&scene, &arguments.rungs, &wishes)?;

@@ -387,7 +387,9 @@ impl Cost {
 /// # Errors
 /// Where the kernel does not take its tables.
 pub(super) fn operations(planned: &Planned, stop: Stop) -> Result<Option<Operations>, Failure> {
-    if planned.rung != FormFactorRung::from(Rung::Best) || planned.sight == Sight::VertexRays {
+    let (best, rays) = (FormFactorRung::from(Rung::Best), Sight::VertexRays);
+    let counts = &planned.tables.counts;
+    if planned.rung != best || planned.sight == rays || counts.terms + counts.responses > 0 {
         return Ok(None);
     }
     Operations::of(&planned.tables, planned.sight, stop, GRID)

@@ -128,7 +128,7 @@ fn contour<R: Root<f32> + Copy>(
     facing: Vector<f32>,
     baked: &Baked<'_>,
 ) -> f32 {
-    if !residual::is_small(receiver, &baked.outline) {
+    if !super::is_small(receiver, &baked.outline) {
         return snell::contour::<6, f32, R>(receiver, facing, &baked.outline);
     }
     match whole(receiver, baked) {

@@ -28,7 +28,7 @@ impl<N: Floating, R: Root<N> + Copy> Arithmetic<N> for Best<R> {
 
     #[inline]
     fn contour(receiver: &Receiver<N>, facing: Vector<N>, outline: &Outline<'_, N>) -> N {
-        if residual::is_small(receiver, outline) {
+        if super::is_small(receiver, outline) {
             residual::contour(receiver, outline)
         } else {
             snell::contour::<6, N, R>(receiver, facing, outline)

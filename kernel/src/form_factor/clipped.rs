@@ -65,7 +65,7 @@ pub fn of_clipped<N: Floating, R: Root<N> + Copy>(
             reach_squared = squared;
         }
     }
-    let sum = if residual::is_within_reach(reach_squared, first.norm_squared()) {
+    let sum = if super::is_within_reach(reach_squared, first.norm_squared()) {
         let offsets = corners.iter().map(|&corner| from_anchor(corner));
         residual::closed(seen.normal, first, offsets)
     } else {

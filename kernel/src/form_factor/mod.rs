@@ -195,3 +195,24 @@ fn fraction<N: Number>(f: N) -> N {
         N::ZERO
     }
 }
+
+/// sin² 22.5°, rounded down.
+const REACH: f64 = 0.1464;
+
+/// Whether every vertex of the loop is seen within 22.5° of the first one.
+#[inline(always)]
+fn is_small<N: Number>(receiver: &Receiver<N>, outline: &Outline<'_, N>) -> bool {
+    match outline.vertices().first() {
+        Some(&first) => {
+            let distance_squared = (Vector::from(first) - receiver.position()).norm_squared();
+            is_within_reach(outline.reach_squared(), distance_squared)
+        }
+        None => false,
+    }
+}
+
+/// Whether a reach is seen within 22.5° from a distance, both squared.
+#[inline(always)]
+fn is_within_reach<N: Number>(reach_squared: N, distance_squared: N) -> bool {
+    reach_squared <= N::of(REACH) * distance_squared
+}

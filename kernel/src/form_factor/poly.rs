@@ -1,6 +1,6 @@
 //! The rungs without a special case for small emitters.
 
-use super::{Arithmetic, Outline, narrow, residual, snell};
+use super::{Arithmetic, Outline, narrow, snell};
 use crate::geometry::{Receiver, Vector};
 use crate::number::{Floating, Root, SoftRoot};
 use core::marker::PhantomData;
@@ -44,7 +44,7 @@ impl<const DEGREE: usize, N: Floating, R: Root<N> + Copy> Arithmetic<N> for Poly
 
     #[inline]
     fn contour(receiver: &Receiver<N>, facing: Vector<N>, outline: &Outline<'_, N>) -> N {
-        if residual::is_small(receiver, outline) {
+        if super::is_small(receiver, outline) {
             narrow::contour::<DEGREE, N, R>(receiver, facing, outline)
         } else {
             snell::contour::<DEGREE, N, R>(receiver, facing, outline)

@@ -34,7 +34,7 @@
 //!
 //! One division an edge and no root. k is fitted for w ≤ 1: every edge must be
 //! seen under at most 45°, which holds where every |D_i| ≤ r_0 sin 22.5°
-//! ([`is_small`]). The choice is made on the whole loop, before the clip, and
+//! ([`is_small`](super::is_small)). The choice is made on the whole loop, before the clip, and
 //! clipped corners carry their D along: deciding on the clipped loop would
 //! cost 2e-5.
 
@@ -42,27 +42,6 @@ use super::{Outline, TURN};
 use crate::clip::{self, Corner, Edges};
 use crate::geometry::{Receiver, Vector};
 use crate::number::{Number, residual_arctangent};
-
-/// sin² 22.5°, rounded down.
-const REACH: f64 = 0.1464;
-
-/// Whether every vertex of the loop is seen within 22.5° of the first one.
-#[inline(always)]
-pub(super) fn is_small<N: Number>(receiver: &Receiver<N>, outline: &Outline<'_, N>) -> bool {
-    match outline.vertices().first() {
-        Some(&first) => {
-            let distance_squared = (Vector::from(first) - receiver.position()).norm_squared();
-            is_within_reach(outline.reach_squared(), distance_squared)
-        }
-        None => false,
-    }
-}
-
-/// Whether a reach is seen within 22.5° from a distance, both squared.
-#[inline(always)]
-pub(super) fn is_within_reach<N: Number>(reach_squared: N, distance_squared: N) -> bool {
-    reach_squared <= N::of(REACH) * distance_squared
-}
 
 /// A vertex relative to the loop's first one.
 #[derive(Clone, Copy)]
