@@ -10,10 +10,12 @@
 
 #[path = "parts/model.rs"]
 mod model;
+#[path = "parts/program.rs"]
+mod program;
 
 use isolux_host::report::write_file;
 use std::path::Path;
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -53,22 +55,7 @@ fn main() -> ExitCode {
 /// What the program of this checkout answers. That the run is above the committed costs is
 /// no failure here.
 fn answer(arguments: &[String], directory: &Path) -> Option<serde_json::Value> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
-    let output = Command::new(cargo)
-        .args([
-            "run",
-            "--quiet",
-            "--bin",
-            "isolux",
-            "--manifest-path",
-            manifest,
-            "--",
-        ])
-        .args(arguments)
-        .current_dir(directory)
-        .output()
-        .expect("cargo runs");
+    let output = program::isolux(arguments, directory);
     let answer = serde_json::from_slice(&output.stdout).ok();
     if answer.is_none() {
         eprintln!("{}", String::from_utf8_lossy(&output.stderr));

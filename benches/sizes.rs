@@ -9,12 +9,14 @@
 //! Says loudly what is missing where a tool or a Rust target is, and ends well; with
 //! `ISOLUX_REQUIRE_QEMU=1` in the environment it fails.
 
+#[path = "parts/program.rs"]
+mod program;
 #[path = "parts/sizes.rs"]
 mod sizes;
 
 use isolux_host::report::write_file;
 use std::path::Path;
-use std::process::{Command, ExitCode, Stdio};
+use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -48,21 +50,7 @@ fn main() -> ExitCode {
 
 /// The program of this checkout.
 fn bake(arguments: &[&str], directory: &Path) {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
-    let status = Command::new(cargo)
-        .args([
-            "run",
-            "--quiet",
-            "--bin",
-            "isolux",
-            "--manifest-path",
-            manifest,
-            "--",
-        ])
-        .args(arguments)
-        .current_dir(directory)
-        .stdout(Stdio::null())
-        .status();
-    assert!(status.expect("cargo runs").success(), "{arguments:?}");
+    let output = program::isolux(arguments, directory);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {said}");
 }

@@ -56,6 +56,42 @@ fn closed() -> String {
         + "[budget]\nsamples = 480\n"
 }
 
+/// The wall that the camera looks at gets more samples than it does otherwise, the one
+/// behind it fewer; and what cannot be placed for a camera is refused.
+#[test]
+fn samples_are_placed_for_the_camera_where_it_is_asked_for() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let path = directory.path();
+    let camera = "[camera]\neye = [1, 0.2, 1]\ntarget = [1, 3, 1]\nup = [0, 0, 1]\nfov = 60\n";
+    let few = closed().replace("samples = 480", "samples = 120");
+    write(path, "room.toml", &(few.clone() + camera));
+    write(path, "blind.toml", &few);
+    let samples = |more: &[&str]| {
+        let all = [&["plan", "room.toml", "-o", "a.plan", "--json"], more].concat();
+        let ran = isolux(&all, path, "");
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        let sheet = document(&ran);
+        let surfaces = sheet["surfaces"].as_array().expect("surfaces").clone();
+        ["back", "front"].map(|name| {
+            let surface = surfaces.iter().find(|surface| surface["name"] == name);
+            surface.expect("a wall")["samples"]
+                .as_u64()
+                .expect("a count")
+        })
+    };
+    let ([seen, unseen], [seen_before, unseen_before]) = (samples(&["--for-camera"]), samples(&[]));
+    assert!(seen > seen_before && unseen < unseen_before);
+    for (scene, more) in [
+        ("blind.toml", &[][..]),
+        ("paper", &[]),
+        ("room.toml", &["--placement", "isolux"]),
+    ] {
+        let all = [&["plan", scene, "-o", "b.plan", "--for-camera"], more].concat();
+        refused(&isolux(&all, path, ""), 2);
+    }
+    assert!(!path.join("b.plan").exists());
+}
+
 #[test]
 fn visibility_is_a_choice_and_exact_where_something_occludes() {
     let directory = tempfile::tempdir().expect("a directory");

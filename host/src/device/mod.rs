@@ -255,6 +255,7 @@ fn read(program: &Path) -> Result<Vec<u8>, Error> {
 #[cfg(test)]
 mod tests {
     use super::{DEVICE_FLASH, DEVICE_RAM};
+    use crate::pilot::FLASH;
 
     #[test]
     fn the_device_is_the_linkers() {
@@ -271,5 +272,7 @@ mod tests {
         };
         assert_eq!(length("RAM"), Some(DEVICE_RAM));
         assert_eq!(length("FLASH"), Some(DEVICE_FLASH));
+        // What rooms leave to the code.
+        assert_eq!(DEVICE_FLASH, FLASH as u64 + (96 << 10));
     }
 }
