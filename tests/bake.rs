@@ -193,7 +193,7 @@ fn the_readmes_program_runs() {
     bake(&["office", "-o", "src"], directory.path());
     fs::write(source.join("main.rs"), program.expect("a program")).expect("a file");
     let manifest = format!(
-        "[package]\nname = \"yours\"\nedition = \"2024\"\n[dependencies]\nisolux = {{ path = {:?} }}\n[workspace]\n",
+        "[package]\nname = \"yours\"\nedition = \"2024\"\n[dependencies]\nisolux = {{ path = {:?} }}\n[workspace]\n[profile.dev]\nopt-level = 1\n",
         workspace.join("kernel")
     );
     fs::write(directory.path().join("Cargo.toml"), manifest).expect("a file");

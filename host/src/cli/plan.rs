@@ -25,7 +25,8 @@ use std::path::{Path, PathBuf};
 /// predicted to err by.
 ///
 /// The samples, RAM and flash of the scene's budget are the most it takes, and the memory
-/// of the device (memory.x) where that says nothing; a flag goes before each. With --max-error it takes no more samples than that needs.
+/// of the device (memory.x) where that says nothing; a flag goes before each. With
+/// --max-error it takes no more samples than that needs.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     #[command(flatten)]

@@ -77,6 +77,10 @@ const KNOWN: [[usize; 2]; 1] = [[2, 2]];
 /// office 95 of 100 places are then within 0.5 %.
 const ERROR: f64 = 0.0225;
 
+/// Patches of the solution that plans are judged by. With 300 of them reconstructed light
+/// in the Cornell box errs by a fifth more, with 1200 by a fiftieth less.
+const FINE_PATCHES: usize = 600;
+
 /// Samples for display that a patch is told its radiosity by, about.
 const SAMPLES_A_PATCH: usize = 4;
 
@@ -141,6 +145,18 @@ pub fn draft(scene: &Scene, budget: &Budget, light: &Light<'_>) -> Result<Plan, 
         error,
         ..Division::at_will(patches, coarse, reflecting, &PLACES)
     };
+    divided(scene, &division, None, Guide::All(light))
+}
+
+/// Patches that no device shoots from: many more, for a solution that tells what those of
+/// a plan miss.
+///
+/// # Errors
+/// As [`linear`].
+pub fn fine(scene: &Scene, light: &Light<'_>) -> Result<Plan, Unplannable> {
+    let reflecting = scene.surfaces.iter().filter(|s| s.reflects()).count();
+    let coarse = (FINE_PATCHES as f64 * COARSE) as usize;
+    let division = Division::at_will(FINE_PATCHES, coarse, reflecting, &KNOWN);
     divided(scene, &division, None, Guide::All(light))
 }
 

@@ -6,6 +6,7 @@ use super::super::fields::tensor::{Nodes, Tensor};
 use super::super::fields::{Mesh, Node, counted, spline};
 use super::super::shadow::{self, Floor, Mesh as Outlined, Options, ShadowMap, Tag};
 use super::Known;
+use super::around::Around;
 use super::ladder::Step;
 use super::reflected::{in_space, is_cut, nodes, sums, weighed};
 use crate::scene::Scene;
@@ -13,9 +14,6 @@ use std::collections::BTreeSet;
 
 /// Nodes along a side of a tensor grid.
 const COUNTS: std::ops::RangeInclusive<usize> = 1..=8;
-
-/// Places along each side of a surface at which a tensor grid is measured.
-const MEASURED: usize = 20;
 
 /// Lines that the shadows' mesh follows, and triangles that it begins with: of more, as
 /// several luminaires make them, few are worth their bytes.
@@ -28,12 +26,12 @@ const EDGES: f64 = 5.0;
 /// Where the mesh is fine enough; lengths are parts of the surface's size.
 const FINE: Fine = Fine {
     tolerance: 0.01,
-    shortest: 1.0 / 200.0,
+    shortest: 1.0 / 400.0,
     most: 1000,
 };
 
 /// The most samples in the penumbras of one surface.
-const MOST: usize = 120;
+const MOST: usize = 240;
 
 /// What a surface's direct light can be reconstructed from.
 pub(super) struct Direct {
@@ -64,12 +62,7 @@ impl Direct {
         floor: &Floor,
         known: &Known<'_>,
     ) -> Result<Option<Self>, shadow::Error> {
-        let frame = &floor.frame;
-        let places: Vec<[f64; 2]> = (0..MEASURED * MEASURED)
-            .map(|k| frame.cell_center(k % MEASURED, k / MEASURED, MEASURED, MEASURED))
-            .filter(|&(u, v)| frame.contains(u, v))
-            .map(|(u, v)| [u, v])
-            .collect();
+        let places = Around::places(floor);
         let receivers = in_space(floor, &places);
         let seen = sums(&(known.direct)(&receivers));
         let whole = sums(&(known.unshadowed)(&receivers));
@@ -95,7 +88,8 @@ impl Direct {
             counts,
         };
         let (tensors, grids) = grids(scene, index, floor, known, &truth);
-        let shadows = Shadows::of(scene, index, floor, known)?;
+        let around = Around::of(floor, &reflected);
+        let shadows = Shadows::of(scene, index, floor, known, &around)?;
         Ok(Some(Self {
             tensors,
             grids,
@@ -187,6 +181,7 @@ impl Shadows {
         index: usize,
         floor: &Floor,
         known: &Known<'_>,
+        around: &Around<'_>,
     ) -> Result<Option<Self>, shadow::Error> {
         let luminaires =
             (0..scene.surfaces.len()).filter(|&k| scene.surfaces[k].emits() && k != index);
@@ -209,11 +204,17 @@ impl Shadows {
         if kept.is_empty() {
             return Ok(None);
         }
-        Ok(Some(Self::placed(floor, known, &outlined, &kept)))
+        Ok(Some(Self::placed(floor, known, around, &outlined, &kept)))
     }
 
     /// The nodes of the triangles that are not lit, and the order of samples.
-    fn placed(floor: &Floor, known: &Known<'_>, outlined: &Outlined, kept: &[usize]) -> Self {
+    fn placed(
+        floor: &Floor,
+        known: &Known<'_>,
+        around: &Around<'_>,
+        outlined: &Outlined,
+        kept: &[usize],
+    ) -> Self {
         let mut number = vec![usize::MAX; outlined.vertices.len()];
         let (mut places, mut free) = (Vec::new(), Vec::new());
         let mut in_penumbra = Vec::new();
@@ -237,10 +238,10 @@ impl Shadows {
             }
         }
         let look = |places: &[[f64; 2]]| -> Vec<Found> {
+            let reflected: Vec<f64> = places.iter().map(|&place| around.at(place)).collect();
             let places = in_space(floor, places);
             let seen = sums(&(known.direct)(&places));
             let whole = sums(&(known.unshadowed)(&places));
-            let reflected = sums(&(known.reflected)(&places));
             let weight = |(place, normal)| (known.importance)(place, normal);
             let found = (0..places.len()).map(|k| Found {
                 weight: weight(places[k]),
@@ -274,7 +275,7 @@ impl Shadows {
         let receivers = in_space(floor, &inside);
         let seen = sums(&(known.direct)(&receivers));
         let whole = sums(&(known.unshadowed)(&receivers));
-        let reflected = sums(&(known.reflected)(&receivers));
+        let reflected: Vec<f64> = inside.iter().map(|&place| around.at(place)).collect();
         let brightest = seen
             .iter()
             .zip(&reflected)

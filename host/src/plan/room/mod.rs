@@ -5,7 +5,9 @@
 //! past the occluders; V, the fraction of it that is seen, on a mesh that follows
 //! the shadows' outlines, from samples in the penumbras. Reflected light is on a
 //! mesh that follows the feet of what stands there, from samples placed where they
-//! tell most of what the patches may send.
+//! tell most of what the patches may send. What the patches themselves miss, which is
+//! most where surfaces meet, is in its weights: a correction of each node, right for the
+//! light that the scene states.
 //!
 //! Every term of every surface has a ladder of plans, the samples rising and the
 //! predicted error falling; the budget goes where a sample lessens the scene's error
@@ -13,6 +15,7 @@
 //! light from. In the end the same samples also tell the patches what to shoot:
 //! nothing is evaluated twice.
 
+mod around;
 mod direct;
 mod ladder;
 mod reflected;
@@ -37,6 +40,9 @@ pub type Places = [(DVec3, DVec3)];
 /// What every emitter gives to places: by place, then by emitter.
 pub type Terms<'a> = dyn Fn(&Places) -> Vec<Vec<f32>> + Sync + 'a;
 
+/// What all emitters of a kind give to places.
+pub type Sums<'a> = dyn Fn(&Places) -> Vec<f64> + Sync + 'a;
+
 /// The light of a draft, as far as planning needs it.
 pub struct Known<'a> {
     /// Its patches and their samples.
@@ -47,6 +53,8 @@ pub struct Known<'a> {
     pub direct: &'a Terms<'a>,
     /// From patches.
     pub reflected: &'a Terms<'a>,
+    /// The same of all patches, as many more of them would send it.
+    pub settled: &'a Sums<'a>,
     /// How much the error of a place counts.
     pub importance: &'a view::Importance<'a>,
 }
@@ -70,6 +78,12 @@ impl std::fmt::Display for Error {
 }
 
 impl std::error::Error for Error {}
+
+impl From<shadow::Error> for Error {
+    fn from(error: shadow::Error) -> Self {
+        Self::Shadow(error)
+    }
+}
 
 /// The predicted error of every term, the root of the mean square over its surface,
 /// with which it needs no more samples where the scene sets no budget.

@@ -16,11 +16,14 @@ const EDGES: f64 = 3.0;
 const FINE: Fine = Fine {
     tolerance: 0.01,
     shortest: 1.0 / 128.0,
-    most: 500,
+    most: 250,
 };
 
 /// The most samples of one surface.
 const MOST: usize = 200;
+
+/// A node's reflected light is corrected by no more than this factor.
+const CORRECTION: f64 = 2.0;
 
 /// Samples that a node's value is chosen from: the nearest.
 const NEAREST: usize = 24;
@@ -34,6 +37,8 @@ pub(super) struct Reflected {
     inside: Vec<[f64; 2]>,
     /// What they may receive.
     rows: Vec<Vec<f64>>,
+    /// What they receive of many patches, as a multiple of that.
+    corrections: Vec<f64>,
     /// Nodes in the order in which they become samples.
     order: Vec<usize>,
 }
@@ -106,7 +111,7 @@ impl Reflected {
         } = Outlined::of(floor, &[], &options);
         let look = |places: &[[f64; 2]]| -> Vec<Found> {
             let places = in_space(floor, places);
-            let reflected = sums(&(known.reflected)(&places));
+            let reflected = (known.settled)(&places);
             let direct = sums(&(known.direct)(&places));
             let found = reflected.iter().zip(direct).zip(&places);
             let found = found.map(|((&value, direct), &(place, normal))| Found {
@@ -133,6 +138,12 @@ impl Reflected {
                 shares::row(&parts)
             })
             .collect();
+        let missed = (known.settled)(&places).into_iter().zip(&rows);
+        let corrections = missed.map(|(settled, row)| match row[0] > 0.0 {
+            true => (settled / row[0]).clamp(1.0 / CORRECTION, CORRECTION),
+            false => 1.0,
+        });
+        let corrections: Vec<f64> = corrections.collect();
         let all: Vec<f64> = rows
             .iter()
             .zip(&direct)
@@ -163,6 +174,7 @@ impl Reflected {
             split,
             inside,
             rows,
+            corrections,
             order: found.into_iter().map(|(node, _)| node).collect(),
         })
     }
@@ -181,10 +193,12 @@ impl Reflected {
                 .iter()
                 .map(|&s| (s, self.rows[samples[s]].as_slice()))
                 .collect();
+            let correction = self.corrections[k];
+            let wanted: Vec<f64> = self.rows[k].iter().map(|x| x * correction).collect();
             Node {
                 place: self.nodes[k],
                 constant: 0.0,
-                shares: shares::fit(&self.rows[k], &offered),
+                shares: shares::fit(&wanted, &offered),
             }
         };
         let mesh = Mesh {

@@ -77,7 +77,7 @@ impl Floor {
     }
 
     /// Whether a place is on the surface and nothing covers it.
-    pub(super) fn is_exposed(&self, place: DVec2) -> bool {
+    pub fn is_exposed(&self, place: DVec2) -> bool {
         encloses(&self.outline, place) && !self.covers.iter().any(|cover| encloses(cover, place))
     }
 

@@ -4,14 +4,18 @@
 //! kernel answers at any place; so what a few patches send is known all over the
 //! scene, smoothly, and the patches of the plan proper follow it.
 
+mod judge;
+
 use crate::bake::{self, Tables};
 use crate::occlusion::Occlusion;
 use crate::plan::patches::{Light, Split};
+use crate::plan::room::Room;
 use crate::plan::{self, Field, Plan, Unplannable};
 use crate::scene::{Budget, Scene};
 use crate::solve::{self, Rung, Sight, Solution};
 use glam::DVec3;
 use isolux::shoot::Stop;
+use judge::Judge;
 use std::ops::Range;
 
 /// The part of the emitted power that the first solution leaves unshot.
@@ -137,15 +141,20 @@ pub fn room(
     direct: &Field<'_>,
 ) -> Result<Plan, Error> {
     let (occlusion, sight) = looking;
-    let drafted = |light: &Light<'_>| plan::patches::draft(scene, budget, light);
-    let draft = match flown(scene, looking, direct, &drafted) {
-        Some(draft) => draft,
-        None => plan::patches::linear(scene, budget, direct),
+    let drafted = |light: &Light<'_>| {
+        let draft = plan::patches::draft(scene, budget, light)?;
+        Ok((draft, plan::patches::fine(scene, light)?))
     };
-    let draft = draft.map_err(Error::Samples)?;
+    let drafts = match flown(scene, looking, direct, &drafted) {
+        Some(drafts) => drafts,
+        None => plan::patches::linear(scene, budget, direct).map(|plan| (plan.clone(), plan)),
+    };
+    let (draft, fine) = drafts.map_err(Error::Samples)?;
     let tables = bake::bake(scene, &draft, occlusion.cloned()).map_err(Error::TooLarge)?;
     let stop = Stop::below(UNSHOT);
     let light = solve::solve(&tables, Rung::default(), sight, stop).map_err(Error::Kernel)?;
+    let of_judge = judge::tables(scene, &fine, occlusion)?;
+    let judge = Judge::of(&of_judge, sight)?;
     let luminaires = tables.counts.luminaires as usize;
     let all = tables.counts.emitters as usize;
     let terms = |places: &plan::room::Places, emitters: Range<usize>, sight| {
@@ -167,16 +176,22 @@ pub fn room(
         unshadowed: &|places| terms(places, 0..luminaires, Sight::None),
         direct: &|places| terms(places, 0..luminaires, sight),
         reflected: &|places| terms(places, luminaires..all, sight),
+        settled: &|places| judge.reflected(places),
     };
     let room = plan::room::look(scene, &known).map_err(Error::Room)?;
+    let exact = |plan: &Plan| bake::bake(scene, plan, occlusion.cloned());
+    let mut plan = fitting(&room, budget, manner.bake.unwrap_or(&exact))?;
+    let tables = exact(&plan).map_err(Error::TooLarge)?;
+    judge::tried(scene, &mut plan, &tables, sight, &known)?;
+    Ok(plan)
+}
+
+/// A plan with meshes as coarse as it takes for its tables to fit.
+fn fitting(room: &Room<'_>, budget: &Budget, bake: &Bake<'_>) -> Result<Plan, Error> {
     let mut plan = room.plan(budget, None).map_err(Error::Room)?;
     let most = budget.flash.map_or(FLASH, |bytes| bytes as usize);
     for _ in 0..THINNINGS {
-        let baked = match manner.bake {
-            Some(bake) => bake(&plan),
-            None => bake::bake(scene, &plan, occlusion.cloned()),
-        };
-        let bytes = baked.map_err(Error::TooLarge)?.bytes().len();
+        let bytes = bake(&plan).map_err(Error::TooLarge)?.bytes().len();
         if bytes <= most {
             break;
         }

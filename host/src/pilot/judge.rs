@@ -1,0 +1,156 @@
+//! What a plan errs by, found out before it is given away.
+//!
+//! The same room in many more patches than a plan can afford is solved once on the
+//! host. It tells the plan's reconstruction what the plan's own patches miss of
+//! reflected light, and the plan what it errs by in the end.
+
+use super::{Error, UNSHOT, receivers};
+use crate::bake::{self, Tables};
+use crate::occlusion::Occlusion;
+use crate::plan::fields::counted;
+use crate::plan::room::{Known, Places};
+use crate::plan::shadow::Floor;
+use crate::plan::{Part, Plan, Predicted, SurfacePlan};
+use crate::scene::{Scene, Surface};
+use crate::solve::{self, Rung, Sight, Solution};
+use glam::DVec3;
+use isolux::shoot::Stop;
+
+/// Places of a surface at which a plan is tried.
+const PLACES: usize = 256;
+
+/// Light below this part of a surface's brightest place counts as that much.
+const DARK: f64 = 1e-3;
+
+/// What a surface is said to err by, as a multiple of what it errs by at the places:
+/// between them it may be more.
+const SAFE: f64 = 2.0;
+
+/// What the judge itself is taken to miss, of reflected light.
+const MISSED: f64 = 0.01;
+
+/// Reflected light as many patches know it.
+pub(super) struct Judge<'t> {
+    light: Solution<'t>,
+    sight: Sight,
+    luminaires: usize,
+    emitters: usize,
+}
+
+/// The tables of a judge.
+pub(super) fn tables(
+    scene: &Scene,
+    fine: &Plan,
+    occlusion: Option<&Occlusion>,
+) -> Result<Tables, Error> {
+    bake::bake(scene, fine, occlusion.cloned()).map_err(Error::TooLarge)
+}
+
+impl<'t> Judge<'t> {
+    pub(super) fn of(tables: &'t Tables, sight: Sight) -> Result<Self, Error> {
+        let solved = solve::solve(tables, Rung::default(), sight, Stop::below(UNSHOT));
+        Ok(Self {
+            light: solved.map_err(Error::Kernel)?,
+            sight,
+            luminaires: tables.counts.luminaires as usize,
+            emitters: tables.counts.emitters as usize,
+        })
+    }
+
+    /// Irradiance from all that reflects; 0 at what is no place.
+    pub(super) fn reflected(&self, places: &Places) -> Vec<f64> {
+        let emitters = self.luminaires..self.emitters;
+        let terms = self.light.terms(&receivers(places), emitters, self.sight);
+        let sum = |terms: &Vec<f32>| terms.iter().map(|&term| f64::from(term)).sum();
+        terms.map_or(vec![0.0; places.len()], |terms| {
+            terms.iter().map(sum).collect()
+        })
+    }
+}
+
+/// Tries a plan whose tables are these on the host, and says what every surface errs by:
+/// its parts in the proportion that they were predicted in.
+pub(super) fn tried(
+    scene: &Scene,
+    plan: &mut Plan,
+    tables: &Tables,
+    sight: Sight,
+    known: &Known<'_>,
+) -> Result<(), Error> {
+    let stop = Stop::below(UNSHOT);
+    let light = solve::solve(tables, Rung::default(), sight, stop).map_err(Error::Kernel)?;
+    for (index, surface) in scene.surfaces.iter().enumerate() {
+        let planned = &mut plan.surfaces[index];
+        if planned.fields.is_empty() {
+            continue;
+        }
+        let floor = Floor::of(scene, index).map_err(|error| Error::Room(error.into()))?;
+        if let Some(rms) = error(&light, index, &floor, known) {
+            said(planned, surface, rms);
+        }
+    }
+    Ok(())
+}
+
+/// What a surface may err by, the root of the mean square at its places; `None` where it is
+/// dark.
+fn error(light: &Solution<'_>, index: usize, floor: &Floor, known: &Known<'_>) -> Option<f64> {
+    let frame = &floor.frame;
+    let places = spread(floor);
+    let in_space: Vec<(DVec3, DVec3)> = places
+        .iter()
+        .map(|&[u, v]| (frame.to_world(u, v), frame.normal))
+        .collect();
+    let reflected = (known.settled)(&in_space);
+    let direct = (known.direct)(&in_space).into_iter();
+    let truth: Vec<f64> = (reflected.iter().zip(direct))
+        .map(|(reflected, direct)| reflected + direct.iter().map(|&x| f64::from(x)).sum::<f64>())
+        .collect();
+    let brightest = truth.iter().copied().fold(0.0, f64::max);
+    let (mut loss, mut whole) = (0.0, 0.0);
+    for (k, (&place, &(at, normal))) in places.iter().zip(&in_space).enumerate() {
+        let found = light.resampled(index, place.map(|x| x as f32)).ok()??;
+        let value = found.into_iter().map(f64::from).sum::<f64>() / 3.0;
+        let scale = truth[k].max(DARK * brightest);
+        let weight = (known.importance)(at, normal);
+        let missed = MISSED * reflected[k] / scale;
+        loss += weight * (SAFE * SAFE * counted((value - truth[k]) / scale) + missed * missed);
+        whole += weight;
+    }
+    (brightest > 0.0 && whole > 0.0).then(|| (loss / whole).sqrt())
+}
+
+/// Places all over what nothing covers of a surface, evenly: the additive sequence of the plastic number, the
+/// real root of x³ = x + 1 (M. Roberts 2018).
+fn spread(floor: &Floor) -> Vec<[f64; 2]> {
+    const PLASTIC: f64 = 1.324_717_957_244_746;
+    let frame = &floor.frame;
+    let steps = [1.0 / PLASTIC, 1.0 / (PLASTIC * PLASTIC)];
+    let place = |k: usize| {
+        let [a, b] = steps.map(|step| (0.5 + k as f64 * step).fract());
+        [a * frame.size_u, b * frame.size_v]
+    };
+    // What is free fills more than a hundredth of the rectangle, or hardly counts.
+    let all = (0..100 * PLACES).map(place);
+    all.filter(|&place| floor.is_exposed(place.into()))
+        .take(PLACES)
+        .collect()
+}
+
+/// Makes the parts of a surface's prediction this error together.
+fn said(planned: &mut SurfacePlan, surface: &Surface, rms: f64) {
+    match planned.predicted_error(surface.area) {
+        Some(before) if before > 0.0 => {
+            for part in &mut planned.predicted {
+                part.rms *= rms / before;
+            }
+        }
+        _ => {
+            planned.predicted = vec![Predicted {
+                part: Part::All,
+                rms,
+                area: surface.area,
+            }];
+        }
+    }
+}
