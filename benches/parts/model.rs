@@ -35,7 +35,7 @@ const LAYERS: &[&str] = &["--emitters", "layer-cake"];
 
 /// What the costs are fitted to: every kind of emitter, visibility, transfer and
 /// reconstruction, each in several sizes.
-pub(crate) const RUNS: [Run; 37] = [
+pub(crate) const RUNS: [Run; 41] = [
     run("paper", 0, &[]),
     run("paper", 70, &[]),
     run("paper", 66, &[]),
@@ -73,6 +73,10 @@ pub(crate) const RUNS: [Run; 37] = [
     run("office", 380, ISOLUX),
     run("office", 340, CODED_ROOM),
     run("office", 380, CODED_ROOM),
+    run("cornell", 200, &[]),
+    run("cornell", 350, &[]),
+    run("cornell-rgb", 220, &[]),
+    run("office", 340, &[]),
 ];
 
 impl Run {

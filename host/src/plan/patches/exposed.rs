@@ -3,6 +3,7 @@
 use super::shapes::{Ring, bounds, convex_pieces, edges, first_moment, hull, signed_area};
 use crate::occlusion::Solids;
 use crate::scene::frame::Frame;
+use crate::scene::polygon::point_to_segment;
 use crate::scene::{Scene, Surface};
 use glam::{DVec2, DVec3};
 use i_overlay::core::fill_rule::FillRule;
@@ -52,6 +53,22 @@ impl Exposed {
     /// The longer side of the bounding rectangle, in metres.
     pub(super) fn longest(&self) -> f64 {
         self.frame.size_u.max(self.frame.size_v)
+    }
+
+    /// Whether a cell reaches the outline of the exposed part: there other surfaces adjoin.
+    pub(super) fn borders(&self, cell: &Cell) -> bool {
+        let flat = 1e-6 * self.longest();
+        let near = |&vertex: &[f64; 2]| {
+            let mut rings = self.shapes.iter().flatten();
+            rings.any(|ring| {
+                let side = |i: usize| {
+                    let [a, b] = [ring[i], ring[(i + 1) % ring.len()]].map(DVec2::from);
+                    point_to_segment(vertex.into(), a, b) <= flat
+                };
+                (0..ring.len()).any(side)
+            })
+        };
+        cell.pieces.iter().flatten().any(near)
     }
 
     /// Cells along u and v: as many as `density` times the root of the length,

@@ -48,6 +48,8 @@ pub(super) struct Refinement<'a> {
     scene: &'a Scene,
     exposed: &'a [Option<Exposed>],
     guide: Guide<'a>,
+    /// What the misfit of a cell counts where other surfaces adjoin.
+    borders: f64,
     /// The scene's own length in metres: the root of its area.
     length: f64,
 }
@@ -101,12 +103,18 @@ impl Ord for Waiting {
 }
 
 impl<'a> Refinement<'a> {
-    pub(super) fn new(scene: &'a Scene, exposed: &'a [Option<Exposed>], guide: Guide<'a>) -> Self {
+    pub(super) fn new(
+        scene: &'a Scene,
+        exposed: &'a [Option<Exposed>],
+        guide: Guide<'a>,
+        borders: f64,
+    ) -> Self {
         let area: f64 = scene.surfaces.iter().map(|surface| surface.area).sum();
         Self {
             scene,
             exposed,
             guide,
+            borders,
             length: area.sqrt(),
         }
     }
@@ -200,7 +208,12 @@ impl<'a> Refinement<'a> {
             Guide::All(_) => UNKNOWN,
         };
         let varies = unknown * mean * cell.scale / self.length;
-        let weight = self.reflectance(refined.surface) * cell.area.sqrt();
+        let exposed = self.exposed[refined.surface].as_ref();
+        let near = match exposed.is_some_and(|exposed| exposed.borders(cell)) {
+            true => self.borders,
+            false => 1.0,
+        };
+        let weight = near * self.reflectance(refined.surface) * cell.area.sqrt();
         Waiting {
             misfit: weight * (residual(cell, looks) + varies),
             refined,
