@@ -19,9 +19,11 @@ mod markdown;
 mod measure;
 #[path = "parts/planned.rs"]
 mod planned;
+#[path = "parts/prices.rs"]
+mod prices;
 
 use isolux_host::report::write_file;
-use measure::Prices;
+use prices::Prices;
 use std::path::Path;
 use std::process::ExitCode;
 

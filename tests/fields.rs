@@ -18,6 +18,9 @@ mod meshes;
 #[allow(dead_code, reason = "the tests of visibility use the rest")]
 mod random;
 
+#[path = "fields/repainted.rs"]
+mod repainted;
+
 use glam::DVec3;
 use isolux_host::bake::{self, Tables};
 use isolux_host::occlusion::Occlusion;

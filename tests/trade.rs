@@ -8,6 +8,8 @@
 
 #[path = "trade/room.rs"]
 mod room;
+#[path = "trade/whole.rs"]
+mod whole;
 
 use isolux_host::device;
 use isolux_host::solve::FormFactorRung;

@@ -2,13 +2,14 @@
 
 use super::cost_samples::{RECEIVERS, Samples};
 use super::planned::{self, Planned};
+use super::prices::{CORE, Prices};
 use isolux::form_factor::Best;
 use isolux::geometry::Receiver;
 use isolux::scene::Scene;
 use isolux::shoot::{Light, Stop};
 use isolux_host::baseline::{self, Baseline, Parameters};
 use isolux_host::compare::{self, Answers, Compared, Errors};
-use isolux_host::device::{self, Core, Cost, Error, Job, Options};
+use isolux_host::device::{self, Error, Job, Options};
 use isolux_host::occlusion::Solids;
 use isolux_host::reference::Reference;
 use isolux_host::solve::{self, HostRoot, Rung, Sight};
@@ -31,45 +32,6 @@ const LASTING: Duration = Duration::from_millis(1);
 /// Samples along each side of the light source, and of a patch.
 const SOURCE_SIDE: usize = 20;
 const PATCH_SIDE: usize = 4;
-
-/// The device the instructions are for.
-const CORE: Core = Core::CortexM4F;
-
-/// What single operations cost in instructions on the device.
-pub(crate) struct Prices {
-    /// A delta form factor among the 400 on a light source.
-    pub(crate) on_source: f64,
-    /// A delta form factor among the 16 on a patch.
-    pub(crate) on_patch: f64,
-    /// An exact form factor of a rectangle that is large and unclipped.
-    pub(crate) exact: f64,
-}
-
-impl Prices {
-    /// Runs the firmware's program `cost`.
-    pub(crate) fn measure() -> Result<Self, Error> {
-        let costs = device::costs(&[CORE], Duration::from_secs(120))?;
-        let costs = costs.into_iter().next().unwrap_or_default();
-        let of = |wanted: &dyn Fn(&Cost) -> bool| {
-            let cost = costs.iter().find(|cost| wanted(cost));
-            cost.map(Cost::mean).ok_or_else(|| Error::Log {
-                what: "an operation is missing".to_owned(),
-            })
-        };
-        let delta =
-            |size| move |cost: &Cost| cost.operation == "delta-form-factors" && cost.size == size;
-        let exact = |cost: &Cost| {
-            let names = [&cost.operation, &cost.rung, &cost.root, &cost.case];
-            names.map(String::as_str) == ["form-factor", "best", "fpu", "large-unclipped"]
-                && cost.size == 4
-        };
-        Ok(Self {
-            on_source: of(&delta(400))? / 400.0,
-            on_patch: of(&delta(16))? / 16.0,
-            exact: of(&exact)?,
-        })
-    }
-}
 
 /// What both legs of the light took, in one unit.
 #[derive(Clone, Copy, Debug, Default)]

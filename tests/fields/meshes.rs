@@ -113,7 +113,7 @@ proptest! {
         rows in prop::collection::vec(prop::collection::vec(0.1..1.0_f64, 12), 5..20),
         parts in prop::collection::vec(0.1..1.0_f64, 3),
     ) {
-        let rows: Vec<Vec<f64>> = rows.iter().map(|parts| shares::row(parts)).collect();
+        let rows: Vec<Vec<f64>> = rows.iter().map(|parts| shares::row(parts, &[5, 7])).collect();
         let target: Vec<f64> = (0..rows[0].len())
             .map(|j| parts.iter().enumerate().map(|(k, part)| part * rows[k][j]).sum())
             .collect();

@@ -96,6 +96,22 @@ fn bytes_are_kept() {
 }
 
 #[test]
+fn instructions_are_kept() {
+    let directory = directory();
+    let of = |wish: &str| {
+        let sheet = sheet(&["penumbra", "--instructions", wish], directory.path());
+        let steps = &sheet["cost"]["instructions"];
+        let at_most = ["direct", "shoot"].map(|step| count(&steps[step]["at_most"]));
+        let takes: u64 = at_most.iter().sum();
+        let most: u64 = wish.parse().expect("a number");
+        assert!(takes <= most, "{wish}: {takes}");
+        (takes, count(&sheet["samples"]))
+    };
+    let (many, few) = (of("1500000"), of("700000"));
+    assert!(few.0 < many.0 && few.1 < many.1, "{few:?} {many:?}");
+}
+
+#[test]
 fn what_cannot_be_met_is_named_with_the_nearest_and_nothing_is_written() {
     let directory = directory();
     for (wishes, words) in [
@@ -103,6 +119,14 @@ fn what_cannot_be_met_is_named_with_the_nearest_and_nothing_is_written() {
         (
             &["--flash", "1KiB"],
             ["the wish --flash", "bytes of tables"],
+        ),
+        (
+            &["--instructions", "1000"],
+            ["the wish --instructions", "raise --instructions"],
+        ),
+        (
+            &["--instructions", "1000000", "--arithmetic", "poly3"],
+            ["no instructions are predicted", "leave out --instructions"],
         ),
         (
             &["--max-error", "0.001%", "--samples", "60"],
@@ -141,6 +165,7 @@ fn wishes_that_are_none_are_refused() {
         ["--max-error", "-1%"],
         ["--ram", "0"],
         ["--samples", "0"],
+        ["--instructions", "0"],
     ] {
         let ran = isolux(
             &["plan", "paper", "-o", "a.plan", wishes[0], wishes[1]],

@@ -43,6 +43,11 @@ pub(super) struct Arguments {
     /// At most so much flash for the tables, such as 128KiB.
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     flash: Option<u64>,
+    /// At most so many instructions of a Cortex-M4F for direct light and all shots until
+    /// 0.1 % is unshot, as the budget sheet predicts them at most; without the load and
+    /// without grids of surfaces.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    instructions: Option<u64>,
     /// The fewest samples with at most this predicted error, such as 2%: relative, the
     /// root of the mean square over all planned surfaces.
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
@@ -83,6 +88,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         samples: arguments.samples.or(budget.samples),
         ram: arguments.ram.or(budget.ram).or(Some(DEVICE_RAM)),
         flash: arguments.flash.or(budget.flash).or(Some(FLASH as u64)),
+        instructions: arguments.instructions,
         error: arguments.max_error,
     };
     let found = search::plan(&scene, &arguments.rungs, &wishes)?;
@@ -95,7 +101,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     };
     let text = file::text(&planned.scene, &rungs, &planned.plan);
     write_file(&arguments.output, text.as_bytes()).map_err(|error| Failure::usage(error, ""))?;
-    let sheet = Sheet::of(planned)?;
+    let sheet = Sheet::of(planned)?.with_cost(found.operations.as_ref(), None);
     let file = arguments.output.display().to_string();
     let mut out = std::io::stdout().lock();
     if json {

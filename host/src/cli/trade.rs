@@ -1,6 +1,7 @@
 //! `isolux trade`: every rung measured.
 
 mod rooms;
+mod whole;
 
 use super::choice::RungArguments;
 use super::failure::Failure;
@@ -23,7 +24,8 @@ use std::path::PathBuf;
 /// device, time on this machine; with a scene, its irradiance and its cost as
 /// well, and so with every rung of visibility, emitters and transfer. Writes
 /// trade.csv, trade-classes.csv and trade.png; with a scene trade-scene.csv,
-/// trade-room.csv and trade-room.png too.
+/// trade-room.csv and trade-room.png too; with --whole trade-whole.csv and
+/// trade-whole.png alone.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// The scene file, or the name of a scene that isolux ships; without one,
@@ -39,6 +41,15 @@ pub(super) struct Arguments {
     /// Only the rungs of visibility, emitters and transfer in the scene.
     #[arg(long, requires = "scene")]
     without_arithmetic: bool,
+    /// Only the whole way from samples to surfaces: numbers of samples by reconstruction
+    /// and emitters, each planned anew, error against predicted instructions and bytes of
+    /// tables. Writes trade-whole.csv and trade-whole.png.
+    #[arg(long, requires = "scene", conflicts_with_all = ["without_arithmetic", "plan", "bounces"])]
+    whole: bool,
+    /// Samples that --whole plans with.
+    #[arg(long, value_name = "N,N,..", requires = "whole", value_delimiter = ',',
+          default_values_t = whole::SAMPLES, value_parser = clap::value_parser!(u64).range(1..))]
+    samples: Vec<u64>,
     /// A plan file that `isolux plan` wrote for the scene: what has its emitters is not
     /// planned.
     #[arg(long, value_name = "FILE", requires = "scene")]
@@ -74,6 +85,11 @@ struct OfScene {
 }
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
+    if let (true, Some(scene)) = (arguments.whole, &arguments.scene) {
+        let scene = pipeline::read(scene)?;
+        make(&arguments.output)?;
+        return whole::run(arguments, &scene, json);
+    }
     // A scene that cannot be and a directory that cannot be made are found out
     // before the work is done.
     // All rungs in floating point share one bake, whatever the scene asks for.
@@ -246,6 +262,7 @@ fn plot(rows: &[FormFactors]) -> Result<crate::picture::Picture, crate::picture:
                 }
             })
             .collect(),
+        lines: Vec::new(),
     };
     let captions = [
         "left: any emitter, the largest error; right: relative error for F from 1e-13 to 1e-3 (1: no digit is right)",

@@ -31,7 +31,7 @@ pub use error_map::{camera_error_map, error_map};
 pub use false_colour::{camera_false_colour, false_colour};
 pub use samples::samples;
 pub use tone::{camera_picture, side_by_side};
-pub use trade_off::{TradeMark, TradePanel, trade_off};
+pub use trade_off::{TradeLine, TradeMark, TradePanel, trade_off};
 
 /// What a camera sees, pixel by pixel.
 #[derive(Clone, Debug)]

@@ -13,6 +13,17 @@ pub struct TradePanel {
     pub error: String,
     /// What is placed.
     pub marks: Vec<TradeMark>,
+    /// What is placed and belongs together.
+    pub lines: Vec<TradeLine>,
+}
+
+/// One way of doing it with rising effort.
+#[derive(Clone, Debug)]
+pub struct TradeLine {
+    /// Its label, at its last point.
+    pub name: String,
+    /// Cost and error, each above 0.
+    pub points: Vec<[f64; 2]>,
 }
 
 /// A choice with its cost and error.
@@ -30,6 +41,8 @@ pub struct TradeMark {
 
 const FRONT: Rgb = [0, 98, 155];
 const BEATEN: Rgb = [190, 84, 24];
+/// Colours of lines, one after the other.
+const LINES: [Rgb; 5] = [BEATEN, FRONT, [0, 128, 90], [120, 70, 160], [120, 120, 120]];
 const FAINT: Rgb = [226, 226, 226];
 
 /// Size of a panel's map in pixels.
@@ -38,10 +51,11 @@ const SIDE: [f32; 2] = [560.0, 470.0];
 const LEFT: f32 = 108.0;
 const BELOW: f32 = 76.0;
 const RIGHT: f32 = 30.0;
-/// Radius of a mark.
+/// Radius of a mark, and of a line's point.
 const RADIUS: f32 = 6.5;
+const POINT: f32 = 4.0;
 
-/// Draws panels side by side. A mark whose cost or error is not above 0 has no
+/// Draws panels side by side. A mark or point whose cost or error is not above 0 has no
 /// place on a logarithmic axis and is left out.
 ///
 /// # Errors
@@ -123,6 +137,8 @@ fn label(value: f64) -> String {
 struct Panel<'a> {
     source: &'a TradePanel,
     marks: Vec<&'a TradeMark>,
+    /// Colour, name and places of each line.
+    lines: Vec<(Rgb, &'a str, Vec<[f64; 2]>)>,
     map: Frame,
     cost: Axis,
     error: Axis,
@@ -130,14 +146,24 @@ struct Panel<'a> {
 
 impl<'a> Panel<'a> {
     fn new(source: &'a TradePanel, map: Frame) -> Result<Self, PictureError> {
-        let has_place = |mark: &&TradeMark| {
-            [mark.cost, mark.error]
+        let has_place = |at: &[f64; 2]| at.iter().all(|x| *x > 0.0 && x.is_finite());
+        let marks = source.marks.iter();
+        let marks: Vec<_> = marks.filter(|m| has_place(&[m.cost, m.error])).collect();
+        let colours = LINES.iter().copied().cycle();
+        let lines = source.lines.iter().zip(colours).map(|(line, colour)| {
+            let points = line.points.iter().copied().filter(has_place);
+            (colour, line.name.as_str(), points.collect::<Vec<_>>())
+        });
+        let lines: Vec<_> = lines.filter(|(.., at)| !at.is_empty()).collect();
+        let all = || {
+            let of_lines = lines.iter().flat_map(|(.., at)| at.iter().copied());
+            marks
                 .iter()
-                .all(|value| *value > 0.0 && value.is_finite())
+                .map(|mark| [mark.cost, mark.error])
+                .chain(of_lines)
         };
-        let marks: Vec<_> = source.marks.iter().filter(has_place).collect();
-        let cost = Axis::fit(marks.iter().map(|mark| mark.cost));
-        let error = Axis::fit(marks.iter().map(|mark| mark.error));
+        let cost = Axis::fit(all().map(|[cost, _]| cost));
+        let error = Axis::fit(all().map(|[_, error]| error));
         let (Some(cost), Some(error)) = (cost, error) else {
             return Err(PictureError::Inconsistent(format!(
                 "nothing has a place on the axes of {} and {}",
@@ -147,6 +173,7 @@ impl<'a> Panel<'a> {
         Ok(Self {
             source,
             marks,
+            lines,
             map,
             cost,
             error,
@@ -154,9 +181,13 @@ impl<'a> Panel<'a> {
     }
 
     fn pixel(&self, mark: &TradeMark) -> [f32; 2] {
+        self.pixel_of([mark.cost, mark.error])
+    }
+
+    fn pixel_of(&self, [cost, error]: [f64; 2]) -> [f32; 2] {
         [
-            self.map.x + self.map.width * self.cost.place(mark.cost),
-            self.map.bottom() - self.map.height * self.error.place(mark.error),
+            self.map.x + self.map.width * self.cost.place(cost),
+            self.map.bottom() - self.map.height * self.error.place(error),
         ]
     }
 
@@ -183,6 +214,30 @@ impl<'a> Panel<'a> {
         for mark in &self.marks {
             self.mark(canvas, mark, &mut taken);
         }
+        self.draw_lines(canvas, &mut taken);
+    }
+
+    fn draw_lines(&self, canvas: &mut Canvas, taken: &mut Vec<Frame>) {
+        let pixels = |points: &[[f64; 2]]| points.iter().map(|&at| self.pixel_of(at)).collect();
+        let lines: Vec<Vec<[f32; 2]>> = self.lines.iter().map(|(.., at)| pixels(at)).collect();
+        for (points, &(colour, ..)) in lines.iter().zip(&self.lines) {
+            canvas.stroke(points, false, Pen::new(colour, 2.0, 0.8));
+            for &point in points {
+                canvas.fill_loops(&[circle(point, POINT)], colour, 1.0);
+                taken.push(around(point, POINT));
+            }
+            // The line itself is no place for a name.
+            for pair in points.windows(2) {
+                let along = |t: f32| [0, 1].map(|k| pair[0][k] + t * (pair[1][k] - pair[0][k]));
+                let parts = (1..16_u8).map(|k| along(f32::from(k) / 16.0));
+                taken.extend(parts.map(|at| around(at, 1.0)));
+            }
+        }
+        for ((_, name, _), points) in self.lines.iter().zip(&lines) {
+            if let Some(&last) = points.last() {
+                self.name(canvas, name, last, taken);
+            }
+        }
     }
 
     /// The front as a staircase: what a cost buys at the most.
@@ -201,18 +256,18 @@ impl<'a> Panel<'a> {
     fn mark(&self, canvas: &mut Canvas, mark: &TradeMark, taken: &mut Vec<Frame>) {
         let [x, y] = self.pixel(mark);
         let colour = if mark.on_front { FRONT } else { BEATEN };
-        let circle: Vec<[f32; 2]> = (0..24)
-            .map(|k| {
-                let angle = std::f32::consts::TAU * k as f32 / 24.0;
-                [x + RADIUS * angle.cos(), y + RADIUS * angle.sin()]
-            })
-            .collect();
+        let circle = circle([x, y], RADIUS);
         if mark.on_front {
             canvas.fill_loops(&[circle], colour, 1.0);
         } else {
             canvas.stroke(&circle, true, Pen::new(colour, 2.0, 1.0));
         }
-        let half = [text::width(&mark.name, BODY) / 2.0, 0.5 * BODY];
+        self.name(canvas, &mark.name, [x, y], taken);
+    }
+
+    /// Writes a name beside a place.
+    fn name(&self, canvas: &mut Canvas, name: &str, [x, y]: [f32; 2], taken: &mut Vec<Frame>) {
+        let half = [text::width(name, BODY) / 2.0, 0.5 * BODY];
         let (place, far) = self.free(&[x, y], half, taken);
         taken.push(Frame::new(
             place[0] - half[0],
@@ -225,7 +280,7 @@ impl<'a> Panel<'a> {
             let end = [near, place[1] + half[1].copysign(y - place[1])];
             canvas.stroke(&[[x, y], end], false, Pen::new(GREY, 1.0, 0.8));
         }
-        canvas.text(&mark.name, place, BODY, Anchor::Middle);
+        canvas.text(name, place, BODY, Anchor::Middle);
     }
 
     /// The middle of the first free place for a label, to the right first, and
@@ -302,6 +357,13 @@ impl<'a> Panel<'a> {
     }
 }
 
+/// The outline of a disc.
+fn circle([x, y]: [f32; 2], radius: f32) -> Vec<[f32; 2]> {
+    let at = |k: u8| std::f32::consts::TAU * f32::from(k) / 24.0;
+    let place = |angle: f32| [x + radius * angle.cos(), y + radius * angle.sin()];
+    (0..24).map(at).map(place).collect()
+}
+
 fn around([x, y]: [f32; 2], radius: f32) -> Frame {
     Frame::new(x - radius, y - radius, 2.0 * radius, 2.0 * radius)
 }
@@ -321,6 +383,7 @@ mod tests {
             cost: "cost".to_owned(),
             error: "error".to_owned(),
             marks: marks.iter().enumerate().map(mark).collect(),
+            lines: Vec::new(),
         }
     }
 

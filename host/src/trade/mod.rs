@@ -2,8 +2,9 @@
 //!
 //! [`form_factors`] measures each rung of [`FormFactorRung::ALL`] on a suite of cases
 //! ([`suite`]) and on the emulated device; [`scene()`] does the same with a baked
-//! scene, [`room`] with the rungs that change what is baked. Nothing here knows the rungs by name: one more on the ladder is one
-//! more line of every table.
+//! scene, [`room`] with the rungs that change what is baked, [`whole`] with those that
+//! change what is planned. Nothing here knows the rungs by name: one more on the ladder
+//! is one more line of every table.
 
 pub mod error;
 pub mod front;
@@ -12,6 +13,7 @@ pub mod room;
 pub mod scene;
 pub mod suite;
 pub mod table;
+pub mod whole;
 
 pub use scene::scene;
 

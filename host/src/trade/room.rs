@@ -17,7 +17,7 @@ use crate::reference::Reference;
 use crate::report::quantity;
 use crate::scene::Scene;
 use crate::scene::frame::Frame;
-use crate::solve::{self, Rung, Sight};
+use crate::solve::{self, Rung, Sight, Solution};
 use glam::DVec3;
 use isolux::shoot::Stop;
 use serde::Serialize;
@@ -98,6 +98,8 @@ impl InRoom {
 #[derive(Clone, Debug)]
 pub struct Field {
     places: Vec<([f32; 3], [f32; 3])>,
+    /// The same: the surface, and where on it.
+    on_surfaces: Vec<(usize, [f32; 2])>,
     /// By place: the reference and its surface's largest value.
     exact: Vec<[f64; 2]>,
 }
@@ -109,17 +111,21 @@ impl Field {
         let solids = Solids::of(scene);
         let mut field = Self {
             places: Vec::new(),
+            on_surfaces: Vec::new(),
             exact: Vec::new(),
         };
         let surfaces = scene.surfaces.iter().enumerate();
         for (index, surface) in surfaces.filter(|(_, surface)| surface.reflects()) {
             let frame = Frame::new(surface);
-            let places: Vec<(DVec3, DVec3)> = (0..GRID * GRID)
+            let cells: Vec<(f64, f64)> = (0..GRID * GRID)
                 .map(|k| frame.cell_center(k % GRID, k / GRID, GRID, GRID))
                 .filter(|&(u, v)| frame.contains(u, v))
-                .map(|(u, v)| (frame.to_world(u, v), frame.normal))
-                .filter(|&(place, normal)| !solids.hide(index, place, normal))
+                .filter(|&(u, v)| !solids.hide(index, frame.to_world(u, v), frame.normal))
                 .collect();
+            let place = |&(u, v): &(f64, f64)| (frame.to_world(u, v), frame.normal);
+            let places: Vec<(DVec3, DVec3)> = cells.iter().map(place).collect();
+            let on_surface = |&(u, v): &(f64, f64)| (index, [u as f32, v as f32]);
+            field.on_surfaces.extend(cells.iter().map(on_surface));
             let values: Vec<f64> = reference.light_at(&places).into_iter().map(mean).collect();
             let largest = values.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
             let single = |v: DVec3| v.as_vec3().to_array();
@@ -130,6 +136,24 @@ impl Field {
                 .extend(values.iter().map(|&value| [value, largest]));
         }
         field
+    }
+
+    /// What a solution errs by there, reconstructed from its samples.
+    ///
+    /// # Errors
+    /// Where the solution is of another scene.
+    pub fn reconstructed(&self, solution: &Solution<'_>) -> Result<Errors, isolux::Error> {
+        let of = |&(surface, place): &(usize, [f32; 2])| {
+            let value = solution.resampled(surface, place)?;
+            Ok(value.map_or(0.0, |value| mean(value.map(f64::from))))
+        };
+        let got: Vec<f64> = self.on_surfaces.iter().map(of).collect::<Result<_, _>>()?;
+        Ok(self.errors(got.into_iter()))
+    }
+
+    fn errors(&self, got: impl Iterator<Item = f64>) -> Errors {
+        let of_places = got.zip(&self.exact);
+        errors_by_scale(of_places.map(|(got, &[exact, largest])| (got, exact, largest)))
     }
 }
 
@@ -165,29 +189,34 @@ pub fn measure(
     let solution = solution.map_err(Error::Kernel)?;
     let got = solution.at(&field.places).map_err(Error::Kernel)?;
     let answers = got.iter().map(|at| mean(at.value.map(f64::from)));
-    let triples = answers
-        .zip(&field.exact)
-        .map(|(got, &[exact, largest])| (got, exact, largest));
-    let fits = baked.tables.bytes().len() as u64 <= device::DEVICE_FLASH
-        && baked.ram_bytes as u64 <= device::DEVICE_RAM;
+    let error = field.errors(answers);
     Ok(InRoom {
         choice,
         samples: baked.tables.counts.samples,
         shooters: baked.tables.counts.emitters,
         shots: solution.solved.shots,
-        error: errors_by_scale(triples),
+        error,
         table_bytes: baked.tables.bytes().len(),
         ram_bytes: baked.ram_bytes,
-        m4f_instructions: match on_device && fits {
-            true => optional(instructions(baked)).map_err(Error::Device)?.0,
+        m4f_instructions: match on_device {
+            true => instructions(baked)?,
             false => None,
         },
         on_front: false,
     })
 }
 
-/// Instructions of direct light and shots on the Cortex-M4F.
-fn instructions(baked: &Baked<'_>) -> Result<u64, device::Error> {
+/// Instructions of direct light and shots on the Cortex-M4F; `None` where there is no
+/// emulator, or the device has no room.
+///
+/// # Errors
+/// See [`Error`].
+pub fn instructions(baked: &Baked<'_>) -> Result<Option<u64>, Error> {
+    let fits = baked.tables.bytes().len() as u64 <= device::DEVICE_FLASH
+        && baked.ram_bytes as u64 <= device::DEVICE_RAM;
+    if !fits {
+        return Ok(None);
+    }
     let job = Job {
         scene: &baked.scene.name,
         tables: baked.tables.bytes(),
@@ -205,8 +234,11 @@ fn instructions(baked: &Baked<'_>) -> Result<u64, device::Error> {
         negative_control: false,
         time_limit: TIME_LIMIT,
     };
-    let steps = device::run(&job, &options)?.instructions_by_step;
-    Ok(steps.direct + steps.shoot)
+    let run = optional(device::run(&job, &options))
+        .map_err(Error::Device)?
+        .0;
+    let steps = run.map(|run| run.instructions_by_step);
+    Ok(steps.map(|steps| steps.direct + steps.shoot))
 }
 
 /// Marks the combinations on the front of instructions and p95.

@@ -3,6 +3,9 @@
 use crate::cli::choice::RungArguments;
 use crate::cli::failure::Failure;
 use crate::cli::pipeline::{self, Planned};
+use crate::cli::sheet;
+use crate::device::model::Model;
+use crate::device::operations::Operations;
 use crate::report::percent;
 use crate::scene::{Budget, Scene};
 
@@ -15,6 +18,8 @@ pub(super) struct Wishes {
     pub(super) ram: Option<u64>,
     /// Bytes of tables at the most.
     pub(super) flash: Option<u64>,
+    /// Instructions of direct light and all shots at the most, as they are predicted.
+    pub(super) instructions: Option<u64>,
     /// Predicted error at the most, relative.
     pub(super) error: Option<f64>,
 }
@@ -26,6 +31,8 @@ pub(super) struct Found {
     ram: usize,
     /// Predicted error, relative.
     error: Option<f64>,
+    /// What it does on the device, where instructions are wished for and their costs known.
+    pub(super) operations: Option<Operations>,
 }
 
 /// A search ends where the number of samples is known to one part in so many.
@@ -40,12 +47,18 @@ const DOUBLINGS: u32 = 3;
 const SIXTEENTHS: u64 = 16;
 
 impl Found {
-    fn of(planned: Planned) -> Result<Self, Failure> {
+    fn of(planned: Planned, wishes: &Wishes) -> Result<Self, Failure> {
         let (ram, _) = planned.ram()?;
         let areas = planned.scene.surfaces.iter().map(|surface| surface.area);
+        let operations = match wishes.instructions {
+            Some(_) => sheet::operations(&planned, pipeline::stop(None))?,
+            None => None,
+        };
+        let known = |operations: &Operations| Model::committed().knows(operations);
         Ok(Self {
             ram,
             error: planned.plan.predicted_error(areas),
+            operations: operations.filter(known),
             planned,
         })
     }
@@ -62,9 +75,19 @@ impl Found {
         self.planned.tables.bytes().len() as u64
     }
 
+    /// Instructions of direct light and all shots, with what the model errs by.
+    fn instructions(&self) -> Option<u64> {
+        let steps = Model::committed().steps(self.operations.as_ref()?);
+        Some(steps.direct.at_most + steps.shoot.at_most)
+    }
+
     fn fits(&self, wishes: &Wishes) -> bool {
+        let instructions = self.instructions();
         wishes.ram.is_none_or(|most| self.ram() <= most)
             && wishes.flash.is_none_or(|most| self.flash() <= most)
+            && wishes
+                .instructions
+                .is_none_or(|most| instructions.is_some_and(|count| count <= most))
     }
 
     fn errs_within(&self, most: f64) -> bool {
@@ -73,12 +96,13 @@ impl Found {
 
     /// What it takes, in words.
     fn cost(&self) -> String {
-        format!(
-            "{} samples, {} bytes of RAM and {} bytes of tables",
-            self.samples(),
-            self.ram(),
-            self.flash()
-        )
+        let (samples, ram, flash) = (self.samples(), self.ram(), self.flash());
+        match self.instructions() {
+            Some(count) => format!(
+                "{samples} samples, {ram} bytes of RAM, {flash} bytes of tables and {count} instructions"
+            ),
+            None => format!("{samples} samples, {ram} bytes of RAM and {flash} bytes of tables"),
+        }
     }
 }
 
@@ -102,9 +126,12 @@ pub(super) fn plan(
             },
             ..scene.clone()
         };
-        Found::of(pipeline::attempt(scene, rungs, &[])?)
+        Found::of(pipeline::attempt(scene, rungs, &[])?, wishes)
     };
     let mut first = attempt(wishes.samples)?;
+    if wishes.instructions.is_some() && first.operations.is_none() {
+        return Err(without_costs(&first));
+    }
     if let Some(most) = wishes.error {
         if first.error.is_none() {
             return Err(Failure::limit(
@@ -133,8 +160,24 @@ pub(super) fn plan(
     let nearest = nearest(largest, most, wishes, &attempt)?;
     match nearest.errs_within(most) {
         true => smallest_within(nearest, most, wishes, &attempt),
-        false => Err(unmet(&nearest, most, wanted)),
+        false => Err(unmet(&nearest, most, wishes, wanted)),
     }
+}
+
+/// Why nothing is known of the instructions of a plan.
+fn without_costs(found: &Found) -> Failure {
+    let planned = &found.planned;
+    Failure::limit(
+        format!(
+            "no instructions are predicted of arithmetic `{}`, visibility `{}`, emitters `{}` and transfer `{}` in scene `{}`",
+            planned.rung.name(),
+            planned.sight.name(),
+            planned.emitters.name(),
+            planned.transfer.name(),
+            planned.scene.name
+        ),
+        "leave out --instructions, or take arithmetic `best`, visibility `exact` and transfer `exact` or `codes`",
+    )
 }
 
 type Attempt<'a> = dyn Fn(Option<u64>) -> Result<Found, Failure> + 'a;
@@ -209,9 +252,11 @@ fn largest_that_fits(
         }
     }
     fitting.ok_or_else(|| {
-        let flag = match wishes.ram.is_some_and(|most| smallest.ram() > most) {
-            true => "--ram",
-            false => "--flash",
+        let beyond = |most: Option<u64>, takes: u64| most.is_some_and(|most| takes > most);
+        let flag = match () {
+            () if beyond(wishes.ram, smallest.ram()) => "--ram",
+            () if beyond(wishes.flash, smallest.flash()) => "--flash",
+            () => "--instructions",
         };
         Failure::limit(
             format!(
@@ -250,13 +295,17 @@ fn smallest_within(
 
 /// Why an error is out of reach, and what is nearest to it. `wanted` is what was tried
 /// first takes, and whether that met the wish.
-fn unmet(nearest: &Found, most: f64, (wanted, met): (String, bool)) -> Failure {
+fn unmet(nearest: &Found, most: f64, wishes: &Wishes, (wanted, met): (String, bool)) -> Failure {
     let error = 100.0 * nearest.error.unwrap_or(f64::INFINITY);
     // Three digits of it are not below it.
     let (predicted, enough) = (percent(error), percent(1.01 * error));
+    let limits = match wishes.instructions {
+        Some(_) => "--ram, --flash or --instructions",
+        None => "--ram or --flash",
+    };
     let remedy = match met {
         true => format!(
-            "the error takes {wanted}: raise --ram or --flash to that, or take --max-error {enough}%"
+            "the error takes {wanted}: raise {limits} to that, or take --max-error {enough}%"
         ),
         false => format!("raise --samples, or take --max-error {enough}%"),
     };

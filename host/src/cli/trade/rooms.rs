@@ -145,6 +145,7 @@ fn plot(name: &str, rows: &[InRoom]) -> Result<Picture, PictureError> {
                 on_front: row.on_front,
             })
             .collect(),
+        lines: Vec::new(),
     };
     let captions = [
         "irradiance at places on all surfaces, evaluated from the emitters; left: 95 % of the places err by no more, right: root mean square",

@@ -4,7 +4,8 @@
 //! What a place receives of reflected light is a sum over patches, f(x) = Σ_j b_j
 //! K_j(x), and a planner knows every K_j, shadows and all. It does not know the
 //! radiosities b_j: lamps are dimmed, walls are painted. Let them be b_j (1 + ξ +
-//! τ ξ_j) with independent ξ of unit variance. The best linear estimate of f(x) from
+//! σ ξ_s + τ ξ_j), j a patch of surface s, with independent ξ of unit variance. The best
+//! linear estimate of f(x) from
 //! samples f(s_k) then has the weights that solve a least-squares problem in the
 //! space of the patches (kriging with the light's own covariance): a row of
 //! numbers for every place, and the target's row as a sum of the samples'.
@@ -13,6 +14,9 @@
 //! lessens the error most (orthogonal matching pursuit).
 
 use nalgebra::{DMatrix, DVector};
+
+/// How far the patches of a surface vary together, σ.
+const TOGETHER: f64 = 0.3;
 
 /// How far patches vary by themselves, τ.
 pub const ALONE: f64 = 0.3;
@@ -30,11 +34,19 @@ const WELL: f64 = 2e-5;
 /// chosen: its weights would be large.
 const FAINT: f64 = 0.03;
 
-/// The row of a place: what it gets in all, and of each patch alone.
-pub fn row(parts: &[f64]) -> Vec<f64> {
+/// The row of a place: what it gets in all, of each surface, and of each patch alone.
+/// `patches` are how many of the parts each surface has, one after the other.
+pub fn row(parts: &[f64], patches: &[usize]) -> Vec<f64> {
     let all: f64 = parts.iter().sum();
+    let mut rest = parts;
+    let together = patches.iter().filter(|&&count| count > 0).map(|&count| {
+        let (of_surface, others) = rest.split_at(count.min(rest.len()));
+        rest = others;
+        TOGETHER * of_surface.iter().sum::<f64>()
+    });
+    let together: Vec<f64> = together.collect();
     let alone = parts.iter().map(|part| ALONE * part);
-    std::iter::once(all).chain(alone).collect()
+    std::iter::once(all).chain(together).chain(alone).collect()
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -59,6 +59,14 @@ pub struct Known<'a> {
     pub importance: &'a view::Importance<'a>,
 }
 
+impl Known<'_> {
+    /// How many patches each surface has, in the order of what is reflected.
+    fn patches(&self) -> Vec<usize> {
+        let surfaces = self.draft.surfaces.iter();
+        surfaces.map(|surface| surface.patches.len()).collect()
+    }
+}
+
 /// Why a room could not be planned.
 #[derive(Clone, Debug)]
 pub enum Error {

@@ -131,11 +131,12 @@ impl Reflected {
         let areas = weighed(&split.areas(), &places, known);
         let parts = (known.reflected)(&places);
         let direct = sums(&(known.direct)(&places));
+        let patches = known.patches();
         let rows: Vec<Vec<f64>> = parts
             .iter()
             .map(|parts| {
                 let parts: Vec<f64> = parts.iter().map(|&part| f64::from(part)).collect();
-                shares::row(&parts)
+                shares::row(&parts, &patches)
             })
             .collect();
         let missed = (known.settled)(&places).into_iter().zip(&rows);

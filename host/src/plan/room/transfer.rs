@@ -80,9 +80,12 @@ fn patches(planned: &SurfacePlan, draft: &SurfacePlan, known: &Known<'_>) -> Vec
             })
         },
     );
+    let of_surfaces = known.patches();
     let reflected = kind(&[Receives::Reflected], &|places, _| {
         let rows = wide((known.reflected)(places));
-        rows.iter().map(|parts| shares::row(parts)).collect()
+        rows.iter()
+            .map(|parts| shares::row(parts, &of_surfaces))
+            .collect()
     });
     let with_members = |patch: &Patch| {
         let mut members = direct.members(patch);
