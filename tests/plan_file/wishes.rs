@@ -187,3 +187,14 @@ fn wishes_that_are_none_are_refused() {
     assert_eq!(ran.code, 2);
     assert!(ran.stderr.contains("no such directory"), "{}", ran.stderr);
 }
+
+/// Many nodes that are drawn together stand for less than nothing, some of them: those
+/// grids are no plans.
+#[test]
+fn many_samples_are_planned_in_the_open() {
+    let directory = directory();
+    for samples in ["90", "96"] {
+        let sheet = sheet(&["paper", "--samples", samples], directory.path());
+        assert!(count(&sheet["samples"]) <= samples.parse().expect("a number"));
+    }
+}

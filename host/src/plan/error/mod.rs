@@ -135,8 +135,13 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// The candidates that these nodes make, with every factor that is a way.
+    /// The candidates that these nodes make, with every factor that is a way; none where a
+    /// node stands for less than nothing, as among many that are drawn together: nothing
+    /// could shoot from there.
     fn candidates(&self, grid: &Tensor, factors: &[Option<[f64; 3]>]) -> Vec<Candidate> {
+        if !grid.areas().iter().all(|&area| area > 0.0) {
+            return Vec::new();
+        }
         let values = at(&self.frame, &grid.places(), self.total);
         let caused = self.lit.error(&self.frame, grid, &values) / self.power;
         let candidate = |&factor: &Option<[f64; 3]>| {
