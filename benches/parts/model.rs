@@ -39,7 +39,7 @@ const Q24_TERMS: &[&str] = &["--arithmetic", "q24", "--transfer", "matrix"];
 
 /// What the costs are fitted to: every kind of emitter, visibility, transfer and
 /// reconstruction, each in several sizes.
-pub(crate) const RUNS: [Run; 55] = [
+pub(crate) const RUNS: [Run; 59] = [
     run("paper", 0, &[]),
     run("paper", 70, &[]),
     run("paper", 66, &[]),
@@ -91,10 +91,14 @@ pub(crate) const RUNS: [Run; 55] = [
     run("office", 340, Q29_TERMS),
     run("office", 380, Q29_TERMS),
     run("office", 600, Q29_TERMS),
+    run("cornell", 0, Q29_TERMS),
+    run("office", 0, Q29_TERMS),
     run("cornell", 170, Q24_TERMS),
     run("cornell", 250, Q24_TERMS),
     run("office", 340, Q24_TERMS),
     run("office", 380, Q24_TERMS),
+    run("cornell", 0, Q24_TERMS),
+    run("office", 0, Q24_TERMS),
 ];
 
 impl Run {

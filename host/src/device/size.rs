@@ -41,7 +41,7 @@ pub(crate) fn of(program: &[u8]) -> Result<Sizes, Error> {
             section.kind(),
             SectionKind::Data | SectionKind::UninitializedData
         );
-        match (empty, writable) {
+        match (empty || section.size() == 0, writable) {
             (false, true) => images += section.size(),
             (false, false) => end = end.max(section.address() + section.size()),
             _ => {}

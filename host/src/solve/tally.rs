@@ -65,6 +65,8 @@ pub enum Operation {
     PointCode,
     /// A code that asks for moments or contours.
     Code,
+    /// An emitter and a surface that have terms.
+    Sent,
     /// An emitter and a sample that have a term.
     Entry,
     /// A term that is not 0.
@@ -73,7 +75,7 @@ pub enum Operation {
 
 impl Operation {
     /// All of them.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::Shot,
         Self::Pair,
         Self::Gather,
@@ -93,6 +95,7 @@ impl Operation {
         Self::PieceCorner,
         Self::PointCode,
         Self::Code,
+        Self::Sent,
         Self::Entry,
         Self::Term,
     ];
@@ -119,6 +122,7 @@ impl Operation {
             Self::PieceCorner => "piece-corner",
             Self::PointCode => "point-code",
             Self::Code => "code",
+            Self::Sent => "sent",
             Self::Entry => "entry",
             Self::Term => "term",
         }

@@ -20,8 +20,8 @@ use std::marker::PhantomData;
 #[derive(Clone, Debug, Default)]
 struct Sent {
     computed: BTreeMap<(usize, u32), u64>,
-    /// Terms read, and those of them that are not 0.
-    terms: [u64; 2],
+    /// Surfaces sent to by terms, terms read, and those of them that are not 0.
+    terms: [u64; 3],
     /// The emitter that was read last, and how often an earlier one came after it.
     last: Option<usize>,
     sweeps: u64,
@@ -60,8 +60,9 @@ impl<T: Transfer> Transfer for Counted<T> {
             let filled = scene.terms_of(emitter, first).take(values.len());
             let filled = filled.filter(|term: &Term| term.factor > 0.0).count();
             SENT.with_borrow_mut(|sent| {
-                sent.terms[0] += values.len() as u64;
-                sent.terms[1] += filled as u64;
+                sent.terms[0] += 1;
+                sent.terms[1] += values.len() as u64;
+                sent.terms[2] += filled as u64;
                 if sent.last.is_none_or(|last| emitter < last) {
                     sent.sweeps += 1;
                 }
@@ -108,8 +109,10 @@ fn of<F: Format, T: Transfer>(scene: Scene<'_>, stop: Stop) -> Result<[Tally; 2]
         add(Operation::GatherMember, gathers * members * coefficients);
         add(Operation::Unshot, looks * emitters);
         add(Operation::Member, looks * members);
-        add(Operation::Entry, sent.terms[0]);
-        add(Operation::Term, sent.terms[1]);
+        let [surfaces, entries, terms] = sent.terms;
+        add(Operation::Sent, surfaces);
+        add(Operation::Entry, entries);
+        add(Operation::Term, terms);
         for (&(emitter, first), &times) in &sent.computed {
             form_factors(&scene, emitter, first, &mut |operation, count| {
                 add(operation, times * count);
