@@ -42,7 +42,8 @@
 //! absolute) times the emitter's radiosity M, and half a unit of irradiance of
 //! rounding, so that n shots lose or make n/2 units at the most: 1e5 shots
 //! 4.7e-5 of 2³⁰ units. A term's factor is rounded down to 2⁻³¹, which is 5e-10 of the
-//! radiosity, and a radiosity's place by four units at the most. The form factor has no digits below 2⁻²⁹ (2⁻²⁴):
+//! radiosity, and a radiosity's place by four units at the most. The form factor has no
+//! digits below 2⁻²⁹ (2⁻²⁴):
 //! luminaires that are seen under F < 1e-5 from everywhere want a rung in
 //! floating point.
 

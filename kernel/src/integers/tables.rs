@@ -17,8 +17,8 @@
 //! | fractions | `u16`, in 65 535ths, padded to 4 bytes with 0 | 2 |
 //! | terms | [`Term`](crate::scene::Term), 2 bits a bit of its factor, padded to 4 bytes with 0 | 1, 1½ or 2 |
 //!
-//! Orders and meanings are those of [`scene`](crate::scene). Where radiosities are constant there are no weights, scales, fractions and
-//! terms; where they are linear what reflects has terms and needs no loops.
+//! Orders and meanings are those of [`scene`](crate::scene). Where radiosities are constant
+//! there are no weights, scales, fractions and terms; where they are linear what reflects has terms and needs no loops.
 
 use crate::scene::matrix;
 use crate::scene::records::Counts;
