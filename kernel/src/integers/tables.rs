@@ -18,7 +18,8 @@
 //! | terms | [`Term`](crate::scene::Term), 2 bits a bit of its factor, padded to 4 bytes with 0 | 1, 1½ or 2 |
 //!
 //! Orders and meanings are those of [`scene`](crate::scene). Where radiosities are constant
-//! there are no weights, scales, fractions and terms; where they are linear what reflects has terms and needs no loops.
+//! there are no weights, scales, fractions and terms; where they are linear what reflects
+//! has terms and needs no loops.
 
 use crate::scene::matrix;
 use crate::scene::records::Counts;
