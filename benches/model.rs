@@ -1,9 +1,11 @@
-//! What an operation of the kernel costs on a Cortex-M4F, fitted to emulated runs of many
-//! scenes: the costs that the budget sheet multiplies.
+//! What an operation of the kernel costs on a Cortex-M4F, in integers on a Cortex-M3, fitted
+//! to emulated runs of many scenes: the costs that the budget sheet multiplies.
 //!
 //! ```text
 //! cargo bench --bench model              prints the costs and what they err by
 //! cargo bench --bench model -- --write   also writes benches/model.csv
+//! cargo bench --bench model -- q29 q24   only runs with one of these words among their
+//!                                        flags; what others gave stays as it is written
 //! ```
 //!
 //! Says loudly what is missing where the emulator or the Rust target is, and ends.
@@ -24,7 +26,11 @@ fn main() -> ExitCode {
     }
     let directory = tempfile::tempdir().expect("a directory");
     let mut observed = Vec::new();
-    for run in &model::RUNS {
+    let words: Vec<&String> = { arguments.iter() }
+        .filter(|argument| !argument.starts_with("--"))
+        .collect();
+    let asked = |run: &&model::Run| words.is_empty() || words.iter().any(|word| run.has(word));
+    for run in model::RUNS.iter().filter(asked) {
         let arguments = run.arguments(directory.path());
         let Some(answer) = answer(&arguments, directory.path()) else {
             return ExitCode::FAILURE;
@@ -40,7 +46,11 @@ fn main() -> ExitCode {
         }
         observed.extend(steps);
     }
-    let (text, said) = model::model(&observed);
+    let (mut text, said) = model::model(&observed);
+    if !words.is_empty() {
+        let written = std::fs::read_to_string(model::PATH).unwrap_or_default();
+        text = model::with_others(&written, &text);
+    }
     print!("{text}{said}");
     if arguments.iter().any(|argument| argument == "--write") {
         if let Err(error) = write_file(Path::new(model::PATH), text.as_bytes()) {

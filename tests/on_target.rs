@@ -453,6 +453,41 @@ fn integers_give_the_hosts_bits_on_every_core() {
     assert!(most * 10 < least * 11, "no core is at a loss: {counts:?}");
 }
 
+/// The office in few patches, with terms in integers: desks that hide, and no FPU.
+#[test]
+fn a_room_in_integers_gives_the_hosts_bits_on_every_core() {
+    let mut scene = file::parse("office.toml", shipped::OFFICE).expect("a sound scene");
+    scene.budget.samples = Some(400);
+    let reference = Reference::new(&scene, Reflections::AtMost(0), &mut |_| {});
+    let direct = reference.expect("a reference");
+    let field = |places: &[_]| direct.irradiance_at(places);
+    let plan = plan::patches::linear(&scene, &scene.budget, &field).expect("a plan");
+    let occlusion = Occlusion::of(&scene).expect("few vertices");
+    let tables = bake::integers::bake_matrix(&scene, &plan, Some(occlusion), 8);
+    let tables = tables.expect("tables");
+    let rung = FormFactorRung::Q29;
+    let solution = solve::solve(&tables, rung, Sight::Exact, STOP).expect("a solution");
+    let mut expected = solution.irradiance_bits();
+    const FEW: usize = 4;
+    for (index, surface) in plan.surfaces.iter().enumerate() {
+        if !surface.samples.is_empty() {
+            let grid = solution.resample(index, FEW as u32).expect("a grid");
+            expected.extend(grid.bits);
+        }
+    }
+    let job = Job {
+        scene: &scene.name,
+        tables: tables.bytes(),
+        arithmetic: rung.name(),
+        visibility: "exact",
+        stop: STOP,
+        resolution: FEW,
+        expected: &expected,
+        budget: scene.budget,
+    };
+    on_every_core(&job);
+}
+
 #[test]
 fn a_flipped_bit_is_seen() {
     let tables = tables();

@@ -9,6 +9,8 @@ mod program;
 mod changes;
 #[path = "run_time/device.rs"]
 mod device;
+#[path = "run_time/integers.rs"]
+mod integers;
 #[path = "run_time/matrix.rs"]
 mod matrix;
 #[path = "run_time/points.rs"]

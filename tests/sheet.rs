@@ -37,12 +37,14 @@ fn number(value: &Value) -> f64 {
 
 #[test]
 fn runs_keep_to_their_sheets() {
-    let runs: [&[&str]; 5] = [
+    let runs: [&[&str]; 7] = [
         &["paper"],
         &["paper", "--placement", "isolux"],
         &["paper-aspect", "--emitters", "layer-cake"],
         &["penumbra", "--microamperes-per-mhz", "100"],
         &["penumbra", "--transfer", "codes"],
+        &["paper", "--arithmetic", "q29"],
+        &["office", "--arithmetic", "q29", "--transfer", "matrix"],
     ];
     for arguments in runs {
         let Some(answer) = run(arguments) else {

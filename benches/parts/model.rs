@@ -32,10 +32,14 @@ const ISOLUX: &[&str] = &["--placement", "isolux"];
 const CODES: &[&str] = &["--transfer", "codes"];
 const CODED_ROOM: &[&str] = &["--placement", "isolux", "--transfer", "codes"];
 const LAYERS: &[&str] = &["--emitters", "layer-cake"];
+const Q29: &[&str] = &["--arithmetic", "q29"];
+const Q24: &[&str] = &["--arithmetic", "q24"];
+const Q29_TERMS: &[&str] = &["--arithmetic", "q29", "--transfer", "matrix"];
+const Q24_TERMS: &[&str] = &["--arithmetic", "q24", "--transfer", "matrix"];
 
 /// What the costs are fitted to: every kind of emitter, visibility, transfer and
 /// reconstruction, each in several sizes.
-pub(crate) const RUNS: [Run; 41] = [
+pub(crate) const RUNS: [Run; 63] = [
     run("paper", 0, &[]),
     run("paper", 70, &[]),
     run("paper", 66, &[]),
@@ -77,9 +81,36 @@ pub(crate) const RUNS: [Run; 41] = [
     run("cornell", 350, &[]),
     run("cornell-rgb", 220, &[]),
     run("office", 340, &[]),
+    run("paper", 0, Q29),
+    run("paper", 40, Q29),
+    run("paper", 49, Q29),
+    run("paper", 80, Q29),
+    run("paper-aspect", 0, Q29),
+    run("paper", 0, Q24),
+    run("paper", 40, Q24),
+    run("paper", 80, Q24),
+    run("paper-aspect", 0, Q24),
+    run("cornell", 170, Q29_TERMS),
+    run("cornell", 250, Q29_TERMS),
+    run("office", 340, Q29_TERMS),
+    run("office", 380, Q29_TERMS),
+    run("office", 600, Q29_TERMS),
+    run("cornell", 0, Q29_TERMS),
+    run("office", 0, Q29_TERMS),
+    run("cornell", 170, Q24_TERMS),
+    run("cornell", 250, Q24_TERMS),
+    run("office", 340, Q24_TERMS),
+    run("office", 380, Q24_TERMS),
+    run("cornell", 0, Q24_TERMS),
+    run("office", 0, Q24_TERMS),
 ];
 
 impl Run {
+    /// Whether a flag is this word.
+    pub(crate) fn has(&self, word: &str) -> bool {
+        self.flags.contains(&word)
+    }
+
     /// Writes its scene and gives the arguments of the program.
     pub(crate) fn arguments(&self, directory: &Path) -> Vec<String> {
         let file = format!("{}.toml", self.scene);
@@ -176,6 +207,18 @@ pub(crate) fn error(costs: &BTreeMap<String, f64>, one: &Observed) -> f64 {
     let cost = |(name, times): (&String, &f64)| costs.get(name).unwrap_or(&0.0) * times;
     let sum: f64 = one.done.iter().map(cost).sum();
     sum / one.instructions - 1.0
+}
+
+/// The written file with the costs of these steps in place of its own.
+pub(crate) fn with_others(written: &str, new: &str) -> String {
+    let group = |line: &str| line.split(',').next().unwrap_or_default().to_owned();
+    let again: BTreeSet<String> = new.lines().map(group).collect();
+    let kept = written.lines().filter(|line| !again.contains(&group(line)));
+    let mut lines: Vec<&str> = kept.chain(new.lines().skip(1)).collect();
+    // By step, in the order of a whole run; of one step as they are.
+    lines.sort_by_key(|line| group(line));
+    let body: String = lines.iter().map(|line| format!("{line}\n")).collect();
+    format!("{HEAD}\n{body}")
 }
 
 /// What costs are said to err by at least: few runs are fitted exactly.

@@ -32,7 +32,7 @@ pub(crate) const KINDS: [Kind; 7] = [
         core: Core::CortexM4F,
     },
     Kind {
-        name: "the same in integers, q29, without FPU",
+        name: "the same in integers; q29; without FPU",
         scene: "paper",
         colour: false,
         flags: &["--arithmetic", "q29"],

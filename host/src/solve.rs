@@ -74,8 +74,7 @@ trait Lit: Send + Sync {
     fn irradiance(&self) -> Vec<Channels>;
     fn irradiance_bits(&self) -> Vec<u32>;
     fn at(&self, from: &Origin<'_>, receivers: &[Place]) -> Result<Vec<At>, Error>;
-    /// Not for integers, whose radiosities are constant: what asks for terms plans
-    /// with linear ones.
+    /// Not for integers: what asks for terms does so to plan.
     fn terms(
         &self,
         _: &Origin<'_>,
@@ -90,21 +89,9 @@ trait Lit: Send + Sync {
         })
     }
     fn radiosity(&self, emitter: usize) -> Channels;
-    /// Not for integers, whose units were chosen for what the luminaires emit.
-    fn set_radiance(&mut self, luminaire: usize, _: Channels) -> Result<(), Error> {
-        Err(Error::Unknown {
-            what: What::Luminaires,
-            asked: luminaire as u32,
-            have: 0,
-        })
-    }
-    fn update(&mut self, stop: Stop) -> Solved {
-        self.solve(stop)
-    }
-    /// Integer tables have none.
-    fn points(&self) -> Vec<Channels> {
-        Vec::new()
-    }
+    fn set_radiance(&mut self, luminaire: usize, radiance: Channels) -> Result<(), Error>;
+    fn update(&mut self, stop: Stop) -> Solved;
+    fn points(&self) -> Vec<Channels>;
     fn resampled(&self, surface: usize, place: [f32; 2]) -> Result<Option<Channels>, Error>;
     fn row(
         &self,
@@ -355,8 +342,19 @@ pub fn solve(
                 dark::<Kernel>(scene, from.sight)?
             })
         }
-        FormFactorRung::Q24 => integers::dark::<Q24>(tables.bytes())?,
-        FormFactorRung::Q29 => integers::dark::<Q29>(tables.bytes())?,
+        integer => {
+            // What was written down is not to be asked at other places.
+            if tables.counts.coefficients > 1 {
+                from.scene = Scene::load(tables.computed().bytes())?;
+                if from.scene.counts().occluders > 0 {
+                    from.sight = sight;
+                }
+            }
+            match integer {
+                FormFactorRung::Q24 => integers::dark::<Q24>(tables.bytes())?,
+                _ => integers::dark::<Q29>(tables.bytes())?,
+            }
+        }
     };
     let solved = light.solve(stop);
     if let Some(light) = &mut from.light {
@@ -401,8 +399,9 @@ impl Solution<'_> {
     /// changes before [`update`](Self::update).
     ///
     /// # Errors
-    /// Those of [`Light::set_radiance`]; [`Error::Unknown`] for tables in integers,
-    /// whose luminaires stay as they are.
+    /// Those of [`Light::set_radiance`], and of
+    /// [`integers`](isolux::integers::Light::set_radiance), of which the first channel
+    /// counts.
     pub fn set_radiance(&mut self, luminaire: usize, radiance: Channels) -> Result<(), Error> {
         if let Some(light) = &mut self.from.light {
             light.set_radiance(luminaire, radiance)?;

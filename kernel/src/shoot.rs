@@ -28,7 +28,7 @@ mod change;
 mod stop;
 mod unshot;
 
-pub(crate) use stop::{Shooting, until};
+pub(crate) use stop::{Shooting, onwards, until};
 pub use stop::{Solved, Stop};
 
 use crate::Error;

@@ -195,6 +195,6 @@ fn many_samples_are_planned_in_the_open() {
     let directory = directory();
     for samples in ["90", "96"] {
         let sheet = sheet(&["paper", "--samples", samples], directory.path());
-        assert!(count(&sheet["samples"]) <= samples.parse().expect("a number"));
+        assert!(count(&sheet["samples"]) <= samples.parse::<u64>().expect("a number"));
     }
 }

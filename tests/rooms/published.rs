@@ -7,8 +7,8 @@ use isolux::shoot::Stop;
 use isolux_host::bake::{self, Tables};
 use isolux_host::occlusion::Occlusion;
 use isolux_host::plan::Plan;
-use isolux_host::scene::Scene;
-use isolux_host::solve::{self, Rung, Sight};
+use isolux_host::scene::{Point, Scene};
+use isolux_host::solve::{self, FormFactorRung, Rung, Sight};
 use serde_json::Value;
 
 const PENUMBRA: &str = include_str!("../data/references/d_penumbra_h0.5.json");
@@ -131,6 +131,51 @@ fn all_light_is_that_of_the_references() {
         );
         assert!(median <= 1e-3, "{name}: median {median:e}");
         assert!(p95 <= allowed, "{name}: p95 {p95:e}");
+    }
+}
+
+/// The places themselves as samples, lit in integers by rounded terms: what a core without
+/// FPU says of them.
+#[test]
+fn terms_in_integers_are_near_the_references() {
+    for (name, text, samples, allowed) in [
+        ("cornell, 687 samples", CORNELL, 687, 1.5e-2),
+        ("office, 800 samples", OFFICE, 800, 1e-2),
+    ] {
+        let mut file = read(text);
+        let places = file.places.iter().enumerate();
+        file.scene.points = places
+            .map(|(index, &(position, normal))| Point {
+                name: index.to_string(),
+                position,
+                normal,
+            })
+            .collect();
+        file.scene.budget.samples = Some(samples);
+        let occlusion = Some(Occlusion::of(&file.scene).expect("few vertices"));
+        let plan = followed(&file.scene);
+        let tables = bake::integers::bake_matrix(&file.scene, &plan, occlusion, 8);
+        let tables = tables.expect("tables");
+        for rung in [FormFactorRung::Q29, FormFactorRung::Q24] {
+            let stop = Stop::below(1e-3);
+            let solution = solve::solve(&tables, rung, Sight::Exact, stop).expect("a solution");
+            let pairs = solution.points().into_iter().zip(&file.points);
+            let errors: Vec<f64> = pairs
+                .map(|(got, point)| {
+                    let exact = triple(point.get("E_total").unwrap_or(&point["E"]))[0];
+                    let unsure = point.get("u_total").map_or(0.0, |u| triple(u)[0]);
+                    let beyond = (f64::from(got[0]) - exact).abs() - 3.0 * unsure - 1e-3 * exact;
+                    beyond.max(0.0) / exact
+                })
+                .collect();
+            let [median, p95, max] = [0.5, 0.95, 1.0].map(|q| quantile(errors.clone(), q));
+            println!(
+                "{name}, {}: beyond 3 u + 0.1 %: median {median:.2e}, p95 {p95:.2e}, max {max:.2e}",
+                rung.name()
+            );
+            assert!(median <= 1e-3, "{name}: median {median:e}");
+            assert!(p95 <= allowed, "{name}: p95 {p95:e}");
+        }
     }
 }
 

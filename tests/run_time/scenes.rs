@@ -34,6 +34,12 @@ impl Planned {
         bake::bake_matrix(&self.scene, &self.plan, occlusion, bits).expect("tables")
     }
 
+    /// The same in integers.
+    pub(crate) fn matrix_in_integers(&self, bits: u32) -> Tables {
+        let occlusion = self.occlusion.clone();
+        bake::integers::bake_matrix(&self.scene, &self.plan, occlusion, bits).expect("tables")
+    }
+
     /// Its tables with responses in place of all that reflects.
     pub(crate) fn vectors(&self) -> Tables {
         bake::bake_vectors(&self.scene, &self.plan, self.occlusion.clone()).expect("tables")

@@ -1,10 +1,14 @@
 //! A plan becomes integer tables, for cores without FPU: what
 //! [`isolux::integers`] reads.
 
+mod matrix;
+
+pub use matrix::bake_matrix;
+
 use super::{TOLERANCE, Tables, TooLarge, largest_coordinate};
 use crate::plan::{Band, Plan, SurfacePlan};
 use crate::scene::requires::requirements;
-use crate::scene::{self, Scene};
+use crate::scene::{self, Point, Scene};
 use glam::DVec3;
 use isolux::form_factor::{self, Best, Outline};
 use isolux::geometry::{Plane, Receiver};
@@ -26,6 +30,10 @@ pub enum Refused {
     Linear,
     /// The plan's emitters are nested, of increments, not means.
     Layers,
+    /// The plan's radiosities are constant, and a matrix is of linear ones.
+    Constant,
+    /// The plan has fields that surfaces are put together from.
+    Fields,
     /// A count does not fit the tables.
     TooLarge(TooLarge),
 }
@@ -40,8 +48,12 @@ impl std::fmt::Display for Refused {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Colour => f.write_str("tables in integers hold grey light alone"),
-            Self::Linear => f.write_str("tables in integers hold constant radiosities alone"),
+            Self::Linear => {
+                f.write_str("tables in integers hold linear radiosities with a matrix alone")
+            }
             Self::Layers => f.write_str("tables in integers hold plain means alone"),
+            Self::Constant => f.write_str("a matrix in integers is of linear radiosities alone"),
+            Self::Fields => f.write_str("surfaces in integers are spread by the cone filter alone"),
             Self::TooLarge(error) => error.fmt(f),
         }
     }
@@ -58,7 +70,7 @@ impl std::error::Error for Refused {}
 /// E ≤ max_i Σ_luminaires M F_i / (1 − max ρ · max_i Σ_reflectors F_i),
 /// ```
 ///
-/// has 31 bits, half of what a word holds.
+/// has 30 bits, half of what a word with a sign holds.
 ///
 /// # Errors
 /// See [`Refused`].
@@ -75,16 +87,21 @@ pub fn bake(scene: &Scene, plan: &Plan) -> Result<Tables, Refused> {
     let planned = Shooters::new(scene, plan);
     let units = Units::new(scene, plan, &planned);
     let mut content = Content {
-        largest_area: planned.largest_area(),
+        coefficients: 1,
         ..Content::default()
     };
     for (surface, plan) in scene.surfaces.iter().zip(&plan.surfaces) {
         content.surface(&units, surface, plan);
     }
-    for shooter in &planned.0 {
-        content.shooter(&units, shooter)?;
+    for point in &scene.points {
+        content.point(&units, point);
     }
-    Ok(content.into_tables(scene, &units)?)
+    let largest = planned.largest_area();
+    for shooter in &planned.0 {
+        content.shooter(&units, shooter, largest)?;
+    }
+    let tolerance = units.length(TOLERANCE * largest_coordinate(scene));
+    Ok(content.into_tables(tolerance, &units)?)
 }
 
 /// What shoots light, in double precision: luminaires first.
@@ -135,26 +152,40 @@ impl<'a> Shooters<'a> {
             for sample in &planned.samples {
                 let place = planned.frame.to_world(sample.place[0], sample.place[1]);
                 let normal = planned.frame.normal;
-                let Ok(receiver) = Receiver::new::<SoftRoot>(place.into(), normal.into()) else {
-                    continue;
-                };
-                let (mut from_luminaires, mut from_reflectors) = (0.0, 0.0);
-                for shooter in self.0.iter().filter(|shooter| shooter.surface != index) {
-                    let factor = shooter.form_factor(&receiver, scene);
-                    match shooter.exitance {
-                        Some(exitance) => from_luminaires += exitance * factor,
-                        None => from_reflectors += factor,
-                    }
-                }
+                let (from_luminaires, from_reflectors) = self.at(scene, place, normal, Some(index));
                 direct = direct.max(from_luminaires);
                 reflecting = reflecting.max(from_reflectors);
             }
+        }
+        for point in &scene.points {
+            let (position, normal) = (point.position, point.normal);
+            let (from_luminaires, from_reflectors) = self.at(scene, position, normal, None);
+            direct = direct.max(from_luminaires);
+            reflecting = reflecting.max(from_reflectors);
         }
         let reflectances = scene.surfaces.iter().map(|surface| surface.reflectance[0]);
         // Without occlusion the sum may exceed 1, and the series its bound: then
         // words saturate rather than wrap.
         let kept = (reflectances.fold(0.0, f64::max) * reflecting).min(0.999);
         direct / (1.0 - kept)
+    }
+
+    /// What arrives at a place from luminaires in W m⁻², and the form factors of all that
+    /// reflects, but for what lies on its own surface.
+    fn at(&self, scene: &Scene, place: DVec3, normal: DVec3, surface: Option<usize>) -> (f64, f64) {
+        let (mut from_luminaires, mut from_reflectors) = (0.0, 0.0);
+        let Ok(receiver) = Receiver::new::<SoftRoot>(place.into(), normal.into()) else {
+            return (0.0, 0.0);
+        };
+        let others = |shooter: &&Shooter<'_>| Some(shooter.surface) != surface;
+        for shooter in self.0.iter().filter(others) {
+            let factor = shooter.form_factor(&receiver, scene);
+            match shooter.exitance {
+                Some(exitance) => from_luminaires += exitance * factor,
+                None => from_reflectors += factor,
+            }
+        }
+        (from_luminaires, from_reflectors)
     }
 }
 
@@ -205,11 +236,24 @@ impl Units {
                 let size = frame.size_u.max(frame.size_v) / 2.0;
                 frame.origin.abs().max_element().max(size)
             })
+            .chain(
+                scene
+                    .points
+                    .iter()
+                    .map(|point| point.position.abs().max_element()),
+            )
             .fold(largest_coordinate(scene), f64::max);
         let exitances = shooters.0.iter().filter_map(|shooter| shooter.exitance);
-        let emitted = bits(exitances.fold(0.0, f64::max)) - 31;
-        let received = match shooters.brightest(scene, plan) {
-            most if most > 0.0 => bits(most) - 31,
+        let brightest = exitances.fold(0.0, f64::max);
+        Self::of(farthest, brightest, shooters.brightest(scene, plan))
+    }
+
+    /// Those for the largest coordinate, exitance and irradiance: both of light have 30
+    /// bits, half of what a word with a sign holds.
+    fn of(farthest: f64, exitance: f64, irradiance: f64) -> Self {
+        let emitted = bits(exitance) - 30;
+        let received = match irradiance {
+            most if most > 0.0 => bits(most) - 30,
             _ => emitted,
         };
         let shift = (emitted - received).clamp(0, LARGEST_SHIFT as i32);
@@ -247,17 +291,28 @@ fn direction(v: DVec3) -> [i32; 3] {
     v.to_array().map(|x| scaled(x, -30) as i32)
 }
 
+/// Every section, as it grows.
 #[derive(Default)]
 struct Content {
-    largest_area: f64,
+    coefficients: u32,
+    /// Named points: the last of the surfaces.
+    points: usize,
     surfaces: Vec<Surface>,
     reflectances: Vec<u32>,
     emitters: Vec<Emitter>,
-    exitances: Vec<u32>,
+    exitances: Vec<i32>,
     loops: Vec<Loop>,
     vertices: Vec<[i32; 3]>,
     samples: Vec<[i32; 2]>,
+    weights: Vec<[i32; 3]>,
     members: Vec<u16>,
+    scales: Vec<u32>,
+    fractions: Vec<u16>,
+    /// How many terms there are, and the bits of a factor.
+    terms: usize,
+    bits: u32,
+    /// The terms.
+    bytes: Vec<u8>,
 }
 
 impl Content {
@@ -276,6 +331,8 @@ impl Content {
             },
             first_sample: self.samples.len() as u32,
             samples: planned.samples.len() as u32,
+            direct: 0,
+            indirect: 0,
         });
         self.reflectances
             .push(scaled(surface.reflectance[0], -32) as u32);
@@ -284,7 +341,32 @@ impl Content {
             .extend(places.map(|sample| sample.place.map(|x| units.length(x))));
     }
 
-    fn shooter(&mut self, units: &Units, shooter: &Shooter<'_>) -> Result<(), TooLarge> {
+    /// A named point, as a surface of which its one sample's corner alone counts.
+    fn point(&mut self, units: &Units, point: &Point) {
+        let normal = point.normal.normalize();
+        let (axis_u, axis_v) = normal.any_orthonormal_pair();
+        self.surfaces.push(Surface {
+            origin: units.place(point.position),
+            axis_u: direction(axis_u),
+            axis_v: direction(axis_v),
+            normal: direction(normal),
+            size: [1; 2],
+            filter_radius: 1,
+            first_sample: self.samples.len() as u32,
+            samples: 1,
+            direct: 0,
+            indirect: 0,
+        });
+        self.samples.push([0; 2]);
+        self.points += 1;
+    }
+
+    fn shooter(
+        &mut self,
+        units: &Units,
+        shooter: &Shooter<'_>,
+        largest_area: f64,
+    ) -> Result<(), TooLarge> {
         let (first, members) = shooter.members;
         self.emitters.push(Emitter {
             surface: shooter.surface as u32,
@@ -292,11 +374,11 @@ impl Content {
             loops: shooter.loops.len() as u32,
             first_member: self.members.len() as u32,
             members: members.len() as u32,
-            area: scaled(shooter.area / self.largest_area, -31) as u32,
+            area: scaled(shooter.area / largest_area, -31) as u32,
         });
         if let Some(exitance) = shooter.exitance {
             let exitance = scaled(exitance, units.irradiance + units.shift);
-            self.exitances.push(exitance as u32);
+            self.exitances.push(exitance as i32);
         }
         for outline in &shooter.loops {
             self.loops.push(Loop {
@@ -314,18 +396,23 @@ impl Content {
         Ok(())
     }
 
-    fn into_tables(self, scene: &Scene, units: &Units) -> Result<Tables, TooLarge> {
+    fn into_tables(self, tolerance: i32, units: &Units) -> Result<Tables, TooLarge> {
         let count = |n: usize, what| u32::try_from(n).map_err(|_| TooLarge { what });
         let counts = Counts {
             channels: 1,
-            coefficients: 1,
-            surfaces: count(self.surfaces.len(), "surfaces")?,
+            coefficients: self.coefficients,
+            surfaces: count(self.surfaces.len() - self.points, "surfaces")?,
             luminaires: count(self.exitances.len(), "luminaires")?,
             emitters: count(self.emitters.len(), "emitters")?,
             loops: count(self.loops.len(), "loops")?,
             vertices: count(self.vertices.len(), "vertices")?,
             samples: count(self.samples.len(), "samples")?,
             members: count(self.members.len(), "members")?,
+            weights: count(3 * self.weights.len(), "weights")?,
+            fractions: count(self.fractions.len(), "fractions")?,
+            points: count(self.points, "points")?,
+            terms: count(self.terms, "terms")?,
+            bits: self.bits,
             ..Counts::default()
         };
         let header = Header {
@@ -337,8 +424,14 @@ impl Content {
             length: units.length,
             irradiance: units.irradiance,
             shift: units.shift as u32,
-            tolerance: units.length(TOLERANCE * largest_coordinate(scene)),
+            tolerance,
         };
+        let half_words = |all: Vec<u16>| {
+            let mut bytes = all.as_bytes().to_vec();
+            bytes.resize(bytes.len().next_multiple_of(4), 0);
+            bytes
+        };
+        let (members, fractions) = (half_words(self.members), half_words(self.fractions));
         let sections = [
             header.as_bytes(),
             self.surfaces.as_bytes(),
@@ -348,10 +441,13 @@ impl Content {
             self.loops.as_bytes(),
             self.vertices.as_bytes(),
             self.samples.as_bytes(),
-            self.members.as_bytes(),
+            self.weights.as_bytes(),
+            &members,
+            self.scales.as_bytes(),
+            &fractions,
+            &self.bytes,
         ];
-        let mut bytes = sections.concat();
-        bytes.resize(header.bytes as usize, 0);
+        let bytes = sections.concat();
         let mut words = vec![0_u32; bytes.len() / 4];
         words.as_mut_bytes().copy_from_slice(&bytes);
         let field = offset_of!(Header, checksum) / 4;

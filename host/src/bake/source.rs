@@ -268,16 +268,26 @@ fn integer_types(arithmetic: FormFactorRung, counts: &Counts) -> String {
         FormFactorRung::Q24 => "Q24",
         _ => "Q29",
     };
+    let transfer = match (counts.coefficients, counts.bits) {
+        (1, _) => "Computed".to_owned(),
+        // Where nothing reflects there are no terms, and any bits will do.
+        (_, 0) => "Matrix<8>".to_owned(),
+        (_, bits) => format!("Matrix<{bits}>"),
+    };
     format!(
         "
 /// The rung of arithmetic.
 pub type Arithmetic = isolux::integers::{format};
 
 /// What a sample receives, in the tables' unit of irradiance.
-pub type Value = u32;
+pub type Value = i32;
+
+/// The rung of transfer: how what a sample receives is had.
+pub type Transfer = isolux::integers::{transfer};
 
 /// The light. It belongs into a `static`, which `DARK` makes.
-pub type Light = isolux::integers::Light<'static, Arithmetic, SAMPLES, EMITTERS>;
+pub type Light =
+    isolux::integers::Light<'static, Arithmetic, SAMPLES, EMITTERS, Transfer>;
 
 /// Bytes of RAM of the light on a 32-bit part.
 pub const LIGHT_BYTES: usize = {bytes};

@@ -15,7 +15,8 @@ use clap::Args;
 #[command(next_help_heading = "Accuracy ladders")]
 pub(super) struct RungArguments {
     /// Number type and edge term: libm, micromath, poly3, poly5, poly8, best;
-    /// without floating point q24, q29: grey scenes in which nothing hides anything.
+    /// without floating point q24, q29: grey scenes in which nothing hides anything, and
+    /// with --transfer matrix any grey scene.
     #[arg(long, value_name = "RUNG")]
     pub(super) arithmetic: Option<String>,
     /// How occlusion is found: exact (the default where something can occlude),
@@ -400,16 +401,24 @@ fn integers_suffice(choices: &Choices, needs: &Requirements) -> Result<(), Failu
     if !choices.arithmetic.is_integer() {
         return Ok(());
     }
-    let (why, remedy) = if choices.transfer != Transfer::Exact {
-        let remedy = "leave out --arithmetic, or take --transfer exact";
-        ("is to have its transfer written down", remedy)
-    } else if needs.channels > 1 {
+    let matrix = choices.transfer == Transfer::Matrix;
+    let (why, remedy) = if needs.channels > 1 {
         ("is in colour", "leave out --arithmetic")
+    } else if matrix && choices.placement == Placement::Error {
+        (
+            "is to be put together from samples placed by error",
+            "leave out --placement: the cone filter spreads what integers give",
+        )
+    } else if matrix {
+        return Ok(());
+    } else if choices.transfer != Transfer::Exact {
+        let remedy = "leave out --arithmetic, or take --transfer matrix";
+        ("is to have its transfer written down", remedy)
     } else if choices.sight != Sight::None {
-        let remedy = "leave out --arithmetic, or let light pass through everything: --visibility none --emitters isolux";
+        let remedy = "take --transfer matrix, which says what is hidden, or leave out --arithmetic";
         ("has occluders", remedy)
     } else if choices.emitters == Emitters::Linear {
-        let remedy = "leave out --arithmetic, or take --emitters isolux";
+        let remedy = "take --transfer matrix or --emitters isolux, or leave out --arithmetic";
         ("has linear radiosities", remedy)
     } else if choices.emitters == Emitters::Points {
         (
@@ -424,7 +433,7 @@ fn integers_suffice(choices: &Choices, needs: &Requirements) -> Result<(), Failu
     };
     Err(Failure::limit(
         format!(
-            "the rung `{}` of arithmetic serves grey scenes with constant radiosities in which nothing hides anything; this one {why}",
+            "the rung `{}` of arithmetic serves grey scenes with constant radiosities in which nothing hides anything, and others by the transfer `matrix`; this one {why}",
             choices.arithmetic.name()
         ),
         remedy,

@@ -29,7 +29,7 @@ pub(super) struct Arguments {
     #[command(flatten)]
     plan: PlanArgument,
     /// Print the budget sheet too, made before the run, and hold the run to it: on the
-    /// Cortex-M4F alone.
+    /// Cortex-M4F alone, in integers on the Cortex-M3 alone.
     #[arg(long)]
     sheet: bool,
     #[command(flatten)]
@@ -62,9 +62,10 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         negative_control: arguments.negative_control,
         // Integers have no use for the FPU's root.
         software_root: !planned.rung.is_integer() && !arguments.sheet,
-        cores: match arguments.sheet {
-            true => vec![Core::CortexM4F],
-            false => Core::ALL.to_vec(),
+        cores: match (arguments.sheet, planned.rung.is_integer()) {
+            (true, false) => vec![Core::CortexM4F],
+            (true, true) => vec![Core::CortexM3],
+            (false, _) => Core::ALL.to_vec(),
         },
         ..Options::default()
     };
@@ -220,7 +221,10 @@ fn in_words(measured: &Measured) -> String {
     let steps = &measured.instructions_by_step;
     text.push_str(&format!(
         "instructions on {}: load {}, direct {}, shoot {}, resample {}\n",
-        Core::ALL[0].name(),
+        measured
+            .targets
+            .first()
+            .map_or("no core", |target| &target.core),
         steps.load,
         steps.direct,
         steps.shoot,

@@ -109,10 +109,13 @@ fn baked(
     plan: Plan,
     occlusion: Option<Occlusion>,
 ) -> Result<Planned, Failure> {
-    let tables = if choices.arithmetic.is_integer() {
-        bake::integers::bake(&scene, &plan).map_err(too_large)?
-    } else {
-        tables(&scene, choices, &plan, occlusion).map_err(too_large)?
+    let tables = match (choices.arithmetic.is_integer(), choices.transfer) {
+        (true, Transfer::Matrix) => {
+            let baked = bake::integers::bake_matrix(&scene, &plan, occlusion, TERM_BITS);
+            baked.map_err(too_large)?
+        }
+        (true, _) => bake::integers::bake(&scene, &plan).map_err(too_large)?,
+        (false, _) => tables(&scene, choices, &plan, occlusion).map_err(too_large)?,
     };
     let planned = Planned {
         scene,

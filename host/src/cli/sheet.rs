@@ -3,8 +3,7 @@
 use super::failure::Failure;
 use super::pipeline::Planned;
 use super::render::GRID;
-use crate::device::Core;
-use crate::device::model::{CYCLES, Model, Predicted, PredictedSteps};
+use crate::device::model::{self, Model, Predicted, PredictedSteps};
 use crate::device::operations::{Done, Operations};
 use crate::plan::{SurfacePlan, Tag};
 use crate::report::{percent, quantity};
@@ -42,6 +41,8 @@ pub(super) struct Sheet {
 #[derive(Clone, Serialize)]
 struct Cost {
     core: &'static str,
+    #[serde(skip)]
+    arithmetic: &'static str,
     instructions: PredictedSteps,
     instructions_total: Predicted,
     /// What a step may be above its prediction, in percent of it.
@@ -174,14 +175,15 @@ impl Sheet {
         let error = |step, done| 100.0 * model.error(step, &operations.kind, done).unwrap_or(0.0);
         let instructions = model.steps(operations);
         let total = instructions.total();
-        let cycles = total.expected as f64 * CYCLES;
+        let cycles = total.expected as f64 * model::cycles(&operations.kind);
         let at_clock = |megahertz: f64| AtClock {
             megahertz,
             milliseconds: cycles / (1e3 * megahertz),
         };
         let shots = |done: &Done| done.get("shot").copied().unwrap_or(0);
         self.cost = Some(Cost {
-            core: Core::CortexM4F.name(),
+            core: model::core(&operations.kind).name(),
+            arithmetic: self.rungs.arithmetic,
             instructions,
             instructions_total: total,
             error: Errors {
@@ -360,10 +362,10 @@ impl Cost {
 
     fn in_markdown(&self) -> String {
         let mut text = format!(
-            "\nPredicted instructions on a {} with `best`, linked for speed; `shoot` is {} shots \
+            "\nPredicted instructions on a {} with `{}`, linked for speed; `shoot` is {} shots \
              with those of direct light, `resample` grids of {} × {} of every surface.\n\n\
              | step | instructions | at most |\n| --- | ---: | ---: |\n",
-            self.core, self.shots, self.resolution, self.resolution
+            self.core, self.arithmetic, self.shots, self.resolution, self.resolution
         );
         let all = ("in all", self.instructions_total, 0.0);
         for (name, step, _) in self.steps().into_iter().chain([all]) {
@@ -382,19 +384,26 @@ impl Cost {
 }
 
 /// What the runs of a planned scene do on the device, where costs are known for it: on the
-/// rung `best`.
+/// rung `best`, and in integers.
 ///
 /// # Errors
 /// Where the kernel does not take its tables.
 pub(super) fn operations(planned: &Planned, stop: Stop) -> Result<Option<Operations>, Failure> {
     let (best, rays) = (FormFactorRung::from(Rung::Best), Sight::VertexRays);
     let counts = &planned.tables.counts;
+    let refused = |error| Failure::limit(error, "lower [budget] samples or split the scene");
+    if planned.rung.is_integer() {
+        let is_short = planned.rung == FormFactorRung::Q24;
+        return Operations::in_integers(&planned.tables, is_short, stop, GRID)
+            .map(Some)
+            .map_err(refused);
+    }
     if planned.rung != best || planned.sight == rays || counts.terms + counts.responses > 0 {
         return Ok(None);
     }
     Operations::of(&planned.tables, planned.sight, stop, GRID)
         .map(Some)
-        .map_err(|error| Failure::limit(error, "lower [budget] samples or split the scene"))
+        .map_err(refused)
 }
 
 fn parts(planned: &SurfacePlan) -> Vec<OfPart> {

@@ -4,14 +4,15 @@
 //! The costs are committed (`benches/model.csv`), fitted once to runs of many scenes on
 //! the emulated core by `cargo bench --bench model -- --write`; [`Model::error`] is twice
 //! what the sum errs by in them, and 5 % at least. They are of the rung `best` on a Cortex-M4F with its
-//! own square root, in a program linked for speed.
+//! own square root, and of tables in integers on a Cortex-M3, which has no FPU; in a program
+//! linked for speed.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::Steps;
 use super::operations::{Done, Operations};
+use super::{Core, Steps};
 
 /// The committed costs.
 const COMMITTED: &str = include_str!("../../../benches/model.csv");
@@ -19,6 +20,30 @@ const COMMITTED: &str = include_str!("../../../benches/model.csv");
 /// Estimated cycles of an instruction on a Cortex-M4F with zero wait states: what the
 /// trace of `benches/trade/trade.csv` gives for form factors of `best`.
 pub const CYCLES: f64 = 1.57;
+
+/// The same for `q29`, by the same model: a Cortex-M3 takes up to four cycles more for a
+/// long product.
+pub const CYCLES_IN_INTEGERS: f64 = 1.47;
+
+/// The core that costs of a kind of light are of.
+pub fn core(kind: &str) -> Core {
+    match is_integer(kind) {
+        true => Core::CortexM3,
+        false => Core::CortexM4F,
+    }
+}
+
+/// Estimated cycles of an instruction of a kind of light.
+pub fn cycles(kind: &str) -> f64 {
+    match is_integer(kind) {
+        true => CYCLES_IN_INTEGERS,
+        false => CYCLES,
+    }
+}
+
+fn is_integer(kind: &str) -> bool {
+    kind.starts_with('q')
+}
 
 /// What the operations cost.
 #[derive(Clone, Debug, Default)]
@@ -141,10 +166,12 @@ impl PredictedSteps {
 }
 
 /// Which costs a step has: direct light and shots are one program, another one for every
-/// kind of light; grids are others by cone than by fields, and in colour.
+/// kind of light; grids are others by cone than by fields, and in colour; in integers loads
+/// and grids are others too.
 pub fn group<'a>(step: &str, kind: &str, done: impl IntoIterator<Item = &'a str>) -> String {
     let colour = if kind.ends_with("-rgb") { " rgb" } else { "" };
     match step {
+        "load" | "resample" if is_integer(kind) => format!("{step} integers"),
         "direct" | "shoot" => format!("light {kind}"),
         "resample" if done.into_iter().any(|operation| operation == "cone-sample") => {
             format!("resample cone{colour}")

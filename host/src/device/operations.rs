@@ -3,15 +3,16 @@
 use std::collections::BTreeMap;
 
 use isolux::Error;
+use isolux::integers;
 use isolux::scene::Scene;
 use isolux::scene::fields::{Fields, Mesh, Tensor};
-use isolux::scene::records::{Counts, Surface};
+use isolux::scene::records::Counts;
 use isolux::shoot::Stop;
 use serde::Serialize;
 
 use crate::bake::Tables;
 use crate::solve::Sight;
-use crate::solve::tally::{Operation, Tally, tally};
+use crate::solve::tally::{Operation, Tally, tally, tally_in_integers};
 
 /// How often every operation of a step is done, by its name.
 pub type Done = BTreeMap<&'static str, u64>;
@@ -40,18 +41,49 @@ impl Operations {
     /// Where the kernel does not take the tables.
     pub fn of(tables: &Tables, sight: Sight, stop: Stop, resolution: usize) -> Result<Self, Error> {
         let scene = Scene::load(tables.bytes())?;
-        let [direct, all] = tally(tables, sight, stop)?;
-        let shoot: Tally = std::array::from_fn(|index| all[index].saturating_sub(direct[index]));
-        let named = |tally: Tally| -> Done {
-            let names = Operation::ALL.iter().map(|operation| operation.name());
-            names.zip(tally).filter(|&(_, times)| times > 0).collect()
-        };
+        let [direct, shoot] = split(tally(tables, sight, stop)?);
         Ok(Self {
             kind: kind(scene.counts()),
             load: load(scene.counts(), tables.bytes().len()),
-            direct: named(direct),
-            shoot: named(shoot),
+            direct,
+            shoot,
             resample: resample(&scene, resolution as u64),
+        })
+    }
+
+    /// Those of tables in integers, on `q24` where `is_short` and else on `q29`.
+    ///
+    /// # Errors
+    /// Where the kernel does not take the tables.
+    pub fn in_integers(
+        tables: &Tables,
+        is_short: bool,
+        stop: Stop,
+        resolution: usize,
+    ) -> Result<Self, Error> {
+        let scene = integers::Scene::load(tables.bytes())?;
+        let rung = if is_short { "q24" } else { "q29" };
+        let transfer = if scene.counts().coefficients > 1 {
+            "matrix"
+        } else {
+            "constant"
+        };
+        let [direct, shoot] = split(tally_in_integers(tables.bytes(), is_short, stop)?);
+        let mut resample = Done::new();
+        for surface in scene.surfaces().iter().filter(|s| s.samples > 0) {
+            let wide = |place: [i32; 2]| place.map(|x| x as f32);
+            let (_, places) = scene.samples_of(surface);
+            let places: Vec<[f32; 2]> = places.iter().copied().map(wide).collect();
+            let grid = (wide(surface.size), surface.filter_radius as f32);
+            painted(resolution as u64, &mut resample);
+            filtered(&places, grid, resolution as u64, &mut resample);
+        }
+        Ok(Self {
+            kind: format!("{rung}-{transfer}"),
+            load: load(scene.counts(), tables.bytes().len()),
+            direct,
+            shoot,
+            resample,
         })
     }
 
@@ -64,6 +96,15 @@ impl Operations {
             ("resample", &self.resample),
         ]
     }
+}
+
+/// Direct light and what comes after it, by name.
+fn split([direct, all]: [Tally; 2]) -> [Done; 2] {
+    let shoot: Tally = std::array::from_fn(|index| all[index].saturating_sub(direct[index]));
+    [direct, shoot].map(|tally| {
+        let names = Operation::ALL.iter().map(|operation| operation.name());
+        names.zip(tally).filter(|&(_, times)| times > 0).collect()
+    })
 }
 
 /// How radiosity varies over an emitter, how what a sample receives is had, and channels.
@@ -125,10 +166,13 @@ fn resample(scene: &Scene<'_>, resolution: u64) -> Done {
         if surface.samples == 0 {
             continue;
         }
-        add(&mut done, "row", resolution);
-        add(&mut done, "pixel", resolution * resolution);
+        painted(resolution, &mut done);
         match surface.fields {
-            0 => filtered(scene, surface, resolution, &mut done),
+            0 => {
+                let (_, places) = scene.samples_of(surface);
+                let grid = (surface.size, surface.filter_radius);
+                filtered(places, grid, resolution, &mut done);
+            }
             _ => {
                 for (tensor, mesh) in scene.fields().of(surface) {
                     field(scene.fields(), tensor, mesh, resolution, &mut done);
@@ -139,10 +183,21 @@ fn resample(scene: &Scene<'_>, resolution: u64) -> Done {
     done
 }
 
-/// Every pixel looks at every sample that it may reach.
-fn filtered(scene: &Scene<'_>, surface: &Surface, resolution: u64, done: &mut Done) {
-    let (_, places) = scene.samples_of(surface);
-    let cell = surface.size.map(|size| size / resolution as f32);
+/// The rows and cells of a grid.
+fn painted(resolution: u64, done: &mut Done) {
+    add(done, "row", resolution);
+    add(done, "pixel", resolution * resolution);
+}
+
+/// Every pixel looks at every sample that it may reach, on a surface of this size within
+/// this radius.
+fn filtered(
+    places: &[[f32; 2]],
+    (size, radius): ([f32; 2], f32),
+    resolution: u64,
+    done: &mut Done,
+) {
+    let cell = size.map(|size| size / resolution as f32);
     let mut within = 0;
     for row in 0..resolution {
         for column in 0..resolution {
@@ -150,8 +205,7 @@ fn filtered(scene: &Scene<'_>, surface: &Surface, resolution: u64, done: &mut Do
                 (column as f32 + 0.5) * cell[0],
                 (row as f32 + 0.5) * cell[1],
             ];
-            let near =
-                |&&[u, v]: &&[f32; 2]| f32::hypot(u - at[0], v - at[1]) < surface.filter_radius;
+            let near = |&&[u, v]: &&[f32; 2]| f32::hypot(u - at[0], v - at[1]) < radius;
             within += places.iter().filter(near).count() as u64;
         }
     }

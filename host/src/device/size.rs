@@ -27,6 +27,8 @@ pub(crate) struct Sizes {
 pub(crate) fn of(program: &[u8]) -> Result<Sizes, Error> {
     let elf = parse(program)?;
     let mut sizes = Sizes::default();
+    // What follows another section may begin at a multiple of eight bytes.
+    let (mut end, mut images) = (0, 0);
     for section in elf.sections() {
         let SectionFlags::Elf { sh_flags } = section.flags() else {
             continue;
@@ -35,17 +37,21 @@ pub(crate) fn of(program: &[u8]) -> Result<Sizes, Error> {
             continue;
         }
         let empty = section.elf_section_header().sh_type.get(elf.endian()) == SHT_NOBITS;
-        if !empty {
-            sizes.flash += section.size();
-        }
         let writable = matches!(
             section.kind(),
             SectionKind::Data | SectionKind::UninitializedData
         );
+        match (empty || section.size() == 0, writable) {
+            (false, true) => images += section.size(),
+            (false, false) => end = end.max(section.address() + section.size()),
+            _ => {}
+        }
         if empty || writable {
             sizes.ram += section.size();
         }
     }
+    // Flash begins at 0, with the vector table.
+    sizes.flash = end + images;
     sizes.tables = elf
         .symbols()
         .find(|symbol| symbol.name().is_ok_and(|name| name.contains(TABLES)))

@@ -4,6 +4,10 @@
 //! pass on. Nothing is measured here; [`crate::device::model`] says what an operation
 //! costs on a core.
 
+mod integers;
+
+pub(crate) use integers::tally as tally_in_integers;
+
 use super::looking::Looking;
 use super::{EMITTERS, HostRoot, SAMPLES, Sight};
 use crate::bake::Tables;
@@ -61,11 +65,17 @@ pub enum Operation {
     PointCode,
     /// A code that asks for moments or contours.
     Code,
+    /// An emitter and a surface that have terms.
+    Sent,
+    /// An emitter and a sample that have a term.
+    Entry,
+    /// A term that is not 0.
+    Term,
 }
 
 impl Operation {
     /// All of them.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 22] = [
         Self::Shot,
         Self::Pair,
         Self::Gather,
@@ -85,6 +95,9 @@ impl Operation {
         Self::PieceCorner,
         Self::PointCode,
         Self::Code,
+        Self::Sent,
+        Self::Entry,
+        Self::Term,
     ];
 
     /// What it is called in committed costs.
@@ -109,6 +122,9 @@ impl Operation {
             Self::PieceCorner => "piece-corner",
             Self::PointCode => "point-code",
             Self::Code => "code",
+            Self::Sent => "sent",
+            Self::Entry => "entry",
+            Self::Term => "term",
         }
     }
 }

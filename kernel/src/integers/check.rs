@@ -19,9 +19,9 @@ pub(super) fn records(scene: &Scene<'_>) -> Result<(), Error> {
         && header.tolerance >= 0;
     numbers(What::Header, 0, sound)?;
     ranges(What::Header, 0, counts_agree(counts))?;
-    all(What::Surfaces, scene.surfaces(), surface_is_sound)?;
+    all(What::Surfaces, scene.receiving(), surface_is_sound)?;
     let mut sample = 0_u32;
-    for (index, surface) in (0..).zip(scene.surfaces()) {
+    for (index, surface) in (0..).zip(scene.receiving()) {
         // Ordered by surface, without gaps: no sample belongs to two.
         let end = sample.checked_add(surface.samples);
         ranges(What::Surfaces, index, surface.first_sample == sample)?;
@@ -29,8 +29,16 @@ pub(super) fn records(scene: &Scene<'_>) -> Result<(), Error> {
             what: What::Surfaces,
             record: index,
         })?;
+        // All samples receive all light, or each one kind of it.
+        let of_a_kind = surface.direct.checked_add(surface.indirect);
+        let sound = of_a_kind.is_some_and(|some| some == 0 || some == surface.samples);
+        ranges(What::Surfaces, index, sound)?;
     }
     ranges(What::Samples, sample, sample == counts.samples)?;
+    for (index, point) in (0..).zip(scene.points()) {
+        let sound = point.samples == 1 && point.direct == 0 && point.indirect == 0;
+        ranges(What::Points, index, sound)?;
+    }
     for (index, emitter) in (0..).zip(scene.emitters()) {
         let sound = emitter.surface < counts.surfaces
             && inside(emitter.first_loop, emitter.loops, counts.loops)
@@ -48,14 +56,62 @@ pub(super) fn records(scene: &Scene<'_>) -> Result<(), Error> {
     for (index, &member) in (0..).zip(scene.members()) {
         ranges(What::Members, index, u32::from(member) < counts.samples)?;
     }
-    Ok(())
+    all(What::Exitances, scene.exitances(), |&exitance| {
+        exitance >= 0
+    })?;
+    written(scene)
+}
+
+/// The weights of linear radiosities, and what the host wrote down of their transfer.
+fn written(scene: &Scene<'_>) -> Result<(), Error> {
+    let counts = scene.counts();
+    for (index, emitter) in (0..).zip(scene.emitters()) {
+        // Sums of weighted words have 62 bits.
+        let mut sums = [0_u64; 3];
+        for weights in scene.weights_of(emitter) {
+            for (sum, weight) in sums.iter_mut().zip(weights) {
+                *sum = sum.wrapping_add(weight.unsigned_abs().into());
+            }
+        }
+        let bounded = sums.iter().all(|&sum| sum <= i32::MAX as u64);
+        numbers(What::Weights, index, bounded)?;
+    }
+    let pairs = |of_luminaires, emitters: u32| {
+        let receivers = |surface| scene.receivers(surface, of_luminaires).len() as u64;
+        let receivers: u64 = scene.receiving().iter().map(receivers).sum();
+        receivers.saturating_mul(u64::from(emitters))
+    };
+    let secondary = counts.emitters.wrapping_sub(counts.luminaires);
+    let (terms, fractions) = (u64::from(counts.terms), u64::from(counts.fractions));
+    let linear = counts.coefficients == 3;
+    let sound = terms == if linear { pairs(false, secondary) } else { 0 };
+    ranges(What::Terms, 0, sound)?;
+    let bits = match terms {
+        0 => counts.bits == 0,
+        _ => matches!(counts.bits, 4 | 6 | 8),
+    };
+    ranges(What::Bits, 0, bits)?;
+    let sound = fractions == 0 || (linear && fractions == pairs(true, counts.luminaires));
+    ranges(What::Fractions, 0, sound)?;
+    // No factor reaches 1.
+    let most = (1_u64 << (counts.bits & 31)).wrapping_sub(1);
+    let one = 1_u64 << (counts.bits.wrapping_mul(2).wrapping_add(31) & 63);
+    all(What::Scales, scene.scales(), |&scale| {
+        u64::from(scale).wrapping_mul(most.wrapping_mul(most)) < one
+    })
 }
 
 /// Whether there is nothing but what integer tables hold.
 fn counts_agree(counts: &Counts) -> bool {
+    let weights = u64::from(counts.members).wrapping_mul(3);
+    let weighted = match counts.coefficients {
+        1 => counts.weights == 0,
+        3 => u64::from(counts.weights) == weights,
+        _ => false,
+    };
     let known = Counts {
         channels: 1,
-        coefficients: 1,
+        coefficients: counts.coefficients,
         surfaces: counts.surfaces,
         luminaires: counts.luminaires,
         emitters: counts.emitters,
@@ -63,9 +119,14 @@ fn counts_agree(counts: &Counts) -> bool {
         vertices: counts.vertices,
         samples: counts.samples,
         members: counts.members,
+        weights: counts.weights,
+        fractions: counts.fractions,
+        points: counts.points,
+        terms: counts.terms,
+        bits: counts.bits,
         ..Counts::default()
     };
-    *counts == known && counts.luminaires <= counts.emitters
+    *counts == known && weighted && counts.luminaires <= counts.emitters
 }
 
 /// The largest coordinate: twice what the bake writes, and differences of two

@@ -1,9 +1,10 @@
 //! Light on its way, in integers: the state and the orders of
 //! [`shoot`](crate::shoot), which see.
 
-use super::fraction::{ratio, single, threshold};
+use super::radiosity::Radiosity;
 use super::scene::Scene;
 use super::tables::LARGEST_SHIFT;
+use super::transfer::{Computed, Transfer, part, saturated};
 use crate::Error;
 use crate::error::What;
 use crate::form_factor::fixed_point::{Format, Receiver};
@@ -14,60 +15,67 @@ use heapless::Vec;
 
 /// The light in a scene, for at most `SAMPLES` samples and `EMITTERS` emitters.
 ///
-/// `F` is the rung, [`Q29`](super::Q29) or [`Q24`](super::Q24); the tables are
-/// the same for both. RAM: [`light_bytes`].
+/// `F` is the rung of arithmetic, [`Q29`](super::Q29) or [`Q24`](super::Q24), the tables
+/// are the same for both; `T` that of transfer, which the tables must be baked for.
+/// RAM: [`light_bytes`].
 #[derive(Clone, Debug)]
-pub struct Light<'t, F, const SAMPLES: usize, const EMITTERS: usize> {
-    scene: Scene<'t>,
+pub struct Light<'t, F, const SAMPLES: usize, const EMITTERS: usize, T: Transfer = Computed> {
+    /// `None` is nothing but zeros: a `static` of an empty light takes no flash.
+    scene: Option<Scene<'t>>,
     /// Irradiance of every sample.
-    irradiance: Vec<u32, SAMPLES>,
-    emitters: Vec<Shot, EMITTERS>,
-    /// Form factors evaluated since the scene was dark.
-    form_factors: u32,
+    pub(super) irradiance: Vec<i32, SAMPLES>,
+    pub(super) emitters: Vec<Shot<T::Radiosity>, EMITTERS>,
+    /// Form factors evaluated since the scene was dark, or by the last update.
+    pub(super) form_factors: u32,
     format: PhantomData<F>,
 }
 
 /// What one emitter has done, in the unit of its own radiosity.
 #[derive(Clone, Copy, Debug)]
-struct Shot {
+pub(super) struct Shot<R> {
     /// Radiosity shot so far.
-    shot: u32,
-    /// Radiosity to be shot in the present generation.
-    pending: u32,
+    pub(super) shot: R,
+    /// Radiosity that it is to have shot when the present generation ends; of a
+    /// luminaire always what it emits.
+    pub(super) due: R,
 }
 
-impl Shot {
+impl<R: Radiosity> Shot<R> {
     const NOTHING: Self = Self {
-        shot: 0,
-        pending: 0,
+        shot: R::DARK,
+        due: R::DARK,
     };
 }
 
-/// Bytes of RAM that [`Light`] takes on a 32-bit part: 4 a sample, 8 an emitter,
-/// and 80 for the borrowed tables and the counts.
+/// Bytes of RAM that [`Light`] takes on a 32-bit part: 4 a sample, 8 a coefficient of
+/// every emitter, and 112 for the borrowed tables and the counts.
 ///
 /// Exact on thumb targets: the firmware does not compile where `size_of` differs.
 pub const fn light_bytes(counts: &Counts) -> usize {
-    4 * counts.samples as usize + 8 * counts.emitters as usize + 80
+    let coefficients = counts.emitters as usize * counts.coefficients as usize;
+    4 * counts.samples as usize + 8 * coefficients + 112
 }
 
-impl<'t, F: Format, const SAMPLES: usize, const EMITTERS: usize> Light<'t, F, SAMPLES, EMITTERS> {
+impl<'t, F: Format, const SAMPLES: usize, const EMITTERS: usize, T: Transfer>
+    Light<'t, F, SAMPLES, EMITTERS, T>
+{
     /// A dark scene, ready to be lit.
     ///
     /// # Errors
-    /// [`Error::Capacity`] where the scene has more samples or emitters than
-    /// the type holds.
+    /// [`Error::Capacity`] where the scene has more samples or emitters than the type
+    /// holds, or other coefficients of radiosity; and what [`Transfer::fits`] says.
     pub fn new(scene: Scene<'t>) -> Result<Self, Error> {
         let mut light = Self::empty();
         light.enter(scene)?;
         Ok(light)
     }
 
-    /// The state of no scene at all, to be made in a `static`, so that however
-    /// large it is it passes no stack; [`enter`](Self::enter) gives it a scene.
+    /// The state of no scene at all, all zeros, to be made in a `static`, so that however
+    /// large it is it passes no stack and takes no flash; [`enter`](Self::enter) gives it
+    /// a scene.
     pub const fn empty() -> Self {
         Self {
-            scene: Scene::EMPTY,
+            scene: None,
             irradiance: Vec::new(),
             emitters: Vec::new(),
             form_factors: 0,
@@ -75,49 +83,84 @@ impl<'t, F: Format, const SAMPLES: usize, const EMITTERS: usize> Light<'t, F, SA
         }
     }
 
-    /// Takes a scene in place of the one before: dark, ready to be lit.
+    /// Takes a scene in place of the one before: dark, ready to be lit, with the radiances
+    /// that it was baked with.
     ///
     /// # Errors
     /// As [`new`](Self::new); it then has no scene.
     pub fn enter(&mut self, scene: Scene<'t>) -> Result<(), Error> {
-        let full = |what, needed: usize, have: usize| Error::Capacity {
-            what,
-            needed: needed as u32,
-            have: have as u32,
-        };
-        self.scene = Scene::EMPTY;
+        self.scene = None;
         self.irradiance.clear();
         self.emitters.clear();
         self.form_factors = 0;
-        let (samples, emitters) = (scene.samples().len(), scene.emitters().len());
-        if samples > SAMPLES {
-            return Err(full(What::Samples, samples, SAMPLES));
+        let counts = scene.counts();
+        for (what, needed, have) in [
+            (What::Samples, counts.samples, SAMPLES as u32),
+            (What::Emitters, counts.emitters, EMITTERS as u32),
+        ] {
+            if needed > have {
+                return Err(Error::Capacity { what, needed, have });
+            }
         }
-        if emitters > EMITTERS {
-            return Err(full(What::Emitters, emitters, EMITTERS));
+        let (needed, have) = (counts.coefficients, T::Radiosity::COEFFICIENTS);
+        if needed != have {
+            let what = What::Coefficients;
+            return Err(Error::Capacity { what, needed, have });
         }
-        let filled = self.irradiance.resize(samples, 0).is_ok()
-            && self.emitters.resize(emitters, Shot::NOTHING).is_ok();
-        if filled {
-            self.scene = scene;
+        T::fits(&scene)?;
+        // Both fit: that has just been asked.
+        let samples = self.irradiance.resize(counts.samples as usize, 0);
+        let emitters = self
+            .emitters
+            .resize(counts.emitters as usize, Shot::NOTHING);
+        if samples.is_ok() && emitters.is_ok() {
+            self.scene = Some(scene);
         }
+        self.restore();
         Ok(())
     }
 
-    /// The scene.
+    /// The scene; that of nothing where none was entered.
     pub fn scene(&self) -> Scene<'t> {
-        self.scene
+        *self.tables()
     }
 
-    /// Irradiance of every sample in the tables' unit, in their order.
-    pub fn irradiance(&self) -> &[u32] {
+    /// The scene in place.
+    #[inline(always)]
+    pub(super) fn tables(&self) -> &Scene<'t> {
+        self.scene.as_ref().unwrap_or(&Scene::EMPTY)
+    }
+
+    /// Irradiance of every sample in the tables' unit, in their order. Where radiosities
+    /// are linear it may be a little below 0, where they fall to darkness.
+    pub fn irradiance(&self) -> &[i32] {
         &self.irradiance
     }
 
-    /// Takes all light away.
+    /// The irradiance at a named point of the scene file in the tables' unit, by its index
+    /// there: a sample that is kept beside the surfaces', so that it takes no time. Not
+    /// below 0.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] where there is no such point.
+    pub fn point(&self, index: usize) -> Result<i32, Error> {
+        let points = self.tables().points();
+        let sample = points.get(index).map(|point| point.first_sample as usize);
+        let found = sample.and_then(|sample| self.irradiance.get(sample));
+        let lit = |&value: &i32| if value > 0 { value } else { 0 };
+        found.map(lit).ok_or(Error::Unknown {
+            what: What::Points,
+            asked: index as u32,
+            have: points.len() as u32,
+        })
+    }
+
+    /// Takes all light away. Luminaires keep their radiances: they have not shot.
     pub fn darken(&mut self) {
         self.irradiance.fill(0);
-        self.emitters.fill(Shot::NOTHING);
+        for emitter in &mut self.emitters {
+            emitter.shot = T::Radiosity::DARK;
+        }
         self.form_factors = 0;
     }
 
@@ -132,18 +175,11 @@ impl<'t, F: Format, const SAMPLES: usize, const EMITTERS: usize> Light<'t, F, SA
     /// reflection of all light. Returns the number of shots.
     pub fn reflect(&mut self) -> u32 {
         for index in 0..self.emitters.len() {
-            let pending = self.unshot(index);
-            if let Some(emitter) = self.emitters.get_mut(index) {
-                emitter.pending = pending;
-            }
+            self.settle(index);
         }
         let mut shots = 0_u32;
         for index in 0..self.emitters.len() {
-            let pending = self.emitters.get(index).map_or(0, |state| state.pending);
-            if pending > 0 {
-                self.send(index, pending);
-                shots = shots.saturating_add(1);
-            }
+            shots = shots.saturating_add(u32::from(self.send(index)));
         }
         shots
     }
@@ -151,26 +187,22 @@ impl<'t, F: Format, const SAMPLES: usize, const EMITTERS: usize> Light<'t, F, SA
     /// Lets the emitter with the largest unshot power shoot. Returns its index,
     /// or `None` where nothing is left.
     pub fn shoot(&mut self) -> Option<usize> {
-        let mut best = None;
-        let mut largest = 0;
-        for index in 0..self.emitters.len() {
-            let power = self.power(index, self.unshot(index));
-            if power > largest {
-                (best, largest) = (Some(index), power);
-            }
-        }
-        let index = best?;
-        let radiosity = self.unshot(index);
-        self.send(index, radiosity);
+        let index = self.left().brightest?;
+        self.settle(index);
+        self.send(index);
         Some(index)
     }
 
-    /// Darkens the scene and lights it until `stop`.
+    /// Darkens the scene and lights it until `stop`, with the radiances that it has now.
     ///
     /// Cost: one form factor per shot and sample; at most as many shots as
     /// `stop` allows, `EMITTERS` for each reflection.
     pub fn solve(&mut self, stop: Stop) -> Solved {
         let shots = until(stop, self);
+        self.solved(shots)
+    }
+
+    pub(super) fn solved(&self, shots: u32) -> Solved {
         Solved {
             shots,
             form_factors: self.form_factors,
@@ -178,129 +210,106 @@ impl<'t, F: Format, const SAMPLES: usize, const EMITTERS: usize> Light<'t, F, SA
         }
     }
 
-    /// Power not yet shot as a fraction of the emitted power, in steps of 2⁻³¹;
-    /// 0 in a dark scene. Made of bits, without a floating-point operation.
-    pub fn unshot_fraction(&self) -> f32 {
-        single(self.unshot_ratio())
-    }
-
-    /// [`unshot_fraction`](Self::unshot_fraction) in units of 2⁻³¹, saturated
-    /// below 2.
-    pub fn unshot_ratio(&self) -> u32 {
-        /// Powers have 64 bits; so many of them must have a sum.
-        const FEWER: u32 = 16;
-        let (mut unshot, mut emitted) = (0_u64, 0_u64);
-        for index in 0..self.emitters.len() {
-            let power = |radiosity| self.power(index, radiosity) >> FEWER;
-            unshot = unshot.saturating_add(power(self.unshot(index)));
-            emitted = emitted.saturating_add(power(self.scene.exitance(index)));
-        }
-        ratio(unshot, emitted)
-    }
-
-    /// The radiosity that an emitter has shot so far, in the unit of irradiance
+    /// The mean radiosity that an emitter has shot so far, in the unit of irradiance
     /// (a luminaire: of exitance); 0 where there is no such emitter.
-    pub fn radiosity(&self, emitter: usize) -> u32 {
-        self.emitters.get(emitter).map_or(0, |state| state.shot)
+    pub fn radiosity(&self, emitter: usize) -> i32 {
+        self.coefficients(emitter).mean()
     }
 
-    /// The irradiance at any place in the tables' unit, from everything that has
-    /// been shot. It may exceed a word: no sample need be as bright.
-    ///
-    /// Cost: one form factor per emitter that has shot. The answer depends on
-    /// the receiver alone. Never panics.
-    pub fn at(&self, receiver: &Receiver<F>) -> u64 {
-        let mut sum = 0_u64;
-        let emitters = self.scene.emitters();
-        for (index, (emitter, state)) in emitters.iter().zip(&self.emitters).enumerate() {
-            if state.shot > 0 {
-                let factor = self.scene.form_factor(receiver, emitter);
-                sum = sum.saturating_add(arriving(state.shot, factor, self.shift(index)));
-            }
-        }
-        sum
+    /// All coefficients of the same.
+    pub fn coefficients(&self, emitter: usize) -> T::Radiosity {
+        let state = self.emitters.get(emitter);
+        state.map_or(T::Radiosity::DARK, |state| state.shot)
     }
 
     /// By how many powers of two the unit of an emitter's radiosity is larger
     /// than that of irradiance.
-    fn shift(&self, emitter: usize) -> u32 {
-        match self.scene.is_luminaire(emitter) {
-            true => self.scene.header().shift,
+    pub(super) fn shift(&self, emitter: usize) -> u32 {
+        match self.tables().is_luminaire(emitter) {
+            true => self.tables().header().shift,
             false => 0,
         }
     }
 
-    /// A radiosity of an emitter times its area, in units of exitance and area.
-    fn power(&self, emitter: usize, radiosity: u32) -> u64 {
-        let area = self.scene.emitters().get(emitter).map_or(0, |e| e.area);
-        let down = self.scene.header().shift.wrapping_sub(self.shift(emitter));
-        u64::from(radiosity).wrapping_mul(area.into()) >> (down & 63)
-    }
-
-    /// Radiosity of an emitter that it has not yet shot. Rounding may have let
-    /// it shoot more than it has; that is none.
-    fn unshot(&self, index: usize) -> u32 {
-        let all = match self.scene.is_luminaire(index) {
-            true => self.scene.exitance(index),
-            false => self.reflected(index),
+    /// Lets an emitter shoot what it has not of what it is to have shot; whether that was
+    /// anything.
+    pub(super) fn send(&mut self, index: usize) -> bool {
+        let Some(scene) = self.scene else {
+            return false;
         };
-        all.saturating_sub(self.radiosity(index))
-    }
-
-    /// ρ times the mean irradiance of the emitter's members, each rounded to
-    /// nearest.
-    fn reflected(&self, index: usize) -> u32 {
-        let Some(emitter) = self.scene.emitters().get(index) else {
-            return 0;
-        };
-        let members = self.scene.members_of(emitter);
-        let mut sum = 0_u64;
-        for &sample in members {
-            let irradiance = self.irradiance.get(usize::from(sample));
-            sum = sum.wrapping_add(irradiance.copied().unwrap_or(0).into());
-        }
-        let count = members.len() as u64;
-        let mean = sum.wrapping_add(count >> 1).checked_div(count).unwrap_or(0);
-        let reflectance = u64::from(self.scene.reflectance(emitter.surface as usize));
-        // The mean of words is a word, so this is below 2^64 − 2^32.
-        (mean.wrapping_mul(reflectance).wrapping_add(1 << 31) >> 32) as u32
-    }
-
-    /// Adds what every sample receives from this much radiosity.
-    fn send(&mut self, index: usize, radiosity: u32) {
-        let (scene, shift) = (self.scene, self.shift(index));
-        let Some((emitter, front)) = scene
-            .emitters()
-            .get(index)
-            .and_then(|emitter| Some((emitter, scene.front(emitter)?)))
+        let shift = self.shift(index);
+        let (Some(emitter), Some(state)) =
+            (scene.emitters().get(index), self.emitters.get_mut(index))
         else {
-            return;
+            return false;
         };
-        for (number, surface) in (0_u32..).zip(scene.surfaces()) {
+        let radiosity = state.due.zip(state.shot, i32::saturating_sub);
+        if radiosity.mean() == 0 {
+            return false;
+        }
+        state.shot = state.shot.zip(radiosity, i32::saturating_add);
+        let is_luminaire = scene.is_luminaire(index);
+        let mut next = 0_u32;
+        for (number, surface) in (0_u32..).zip(scene.receiving()) {
+            let samples = scene.receivers(surface, is_luminaire);
+            let first = next;
+            next = next.saturating_add(samples.len() as u32);
             if number == emitter.surface {
                 continue; // a planar polygon does not light its own plane
             }
-            let (first, places) = scene.samples_of(surface);
+            self.form_factors = self.form_factors.saturating_add(samples.len() as u32);
+            let places = scene.samples().get(samples.clone()).unwrap_or(&[]);
+            let values = self.irradiance.get_mut(samples).unwrap_or_default();
+            if !is_luminaire && T::add(&scene, index, first, radiosity, values) {
+                continue;
+            }
             let Ok(facing) = Receiver::<F>::new(surface.origin, surface.normal) else {
                 continue; // checked tables have no normal of length 0
             };
-            self.form_factors = self.form_factors.saturating_add(places.len() as u32);
-            let values = self.irradiance.get_mut(first..).unwrap_or_default();
+            let Some(front) = scene.front(emitter) else {
+                continue;
+            };
+            let mut fractions = T::fractions(&scene, index, first).iter();
             for (value, &place) in values.iter_mut().zip(places) {
+                let seen = fractions.next().copied().unwrap_or(u16::MAX);
+                if seen == 0 {
+                    continue;
+                }
                 let receiver = facing.moved_to(surface.place(place));
                 let factor = scene.form_factor_before(&receiver, &front, emitter);
-                let more = arriving(radiosity, factor, shift);
-                *value = value.saturating_add(u32::try_from(more).unwrap_or(u32::MAX));
+                let more = arriving(radiosity.mean(), part(factor, seen), shift);
+                *value = saturated(i64::from(*value).wrapping_add(more));
             }
         }
-        if let Some(state) = self.emitters.get_mut(index) {
-            state.shot = state.shot.saturating_add(radiosity);
-        }
+        true
     }
 }
 
-impl<F: Format, const SAMPLES: usize, const EMITTERS: usize> Shooting
-    for Light<'_, F, SAMPLES, EMITTERS>
+impl<F: Format, const SAMPLES: usize, const EMITTERS: usize>
+    Light<'_, F, SAMPLES, EMITTERS, Computed>
+{
+    /// The irradiance at any place in the tables' unit, from everything that has
+    /// been shot. It may exceed a word: no sample need be as bright. Not below 0.
+    ///
+    /// Cost: one form factor per emitter that has shot. The answer depends on
+    /// the receiver alone. Never panics. Not for [`Matrix`](super::Matrix), which knows
+    /// samples alone.
+    pub fn at(&self, receiver: &Receiver<F>) -> u64 {
+        let mut sum = 0_i64;
+        let emitters = self.tables().emitters();
+        for (index, (emitter, state)) in emitters.iter().zip(&self.emitters).enumerate() {
+            let shot = state.shot.mean();
+            if shot != 0 {
+                let factor = self.tables().form_factor(receiver, emitter);
+                sum = sum.saturating_add(arriving(shot, factor, self.shift(index)));
+            }
+        }
+        u64::try_from(sum).unwrap_or(0)
+    }
+}
+
+impl<F: Format, const SAMPLES: usize, const EMITTERS: usize, T: Transfer> Shooting
+    for Light<'_, F, SAMPLES, EMITTERS, T>
 {
     fn direct(&mut self) -> u32 {
         Light::direct(self)
@@ -315,17 +324,25 @@ impl<F: Format, const SAMPLES: usize, const EMITTERS: usize> Shooting
     }
 
     fn shoot_above(&mut self, fraction: f32) -> bool {
-        i64::from(self.unshot_ratio()) > threshold(fraction) && Shooting::shoot(self)
+        self.shoot_if_above(fraction)
+    }
+
+    fn shoot_some(&mut self, fraction: f32, most: u32) -> u32 {
+        match (T::SWEEPS, most) {
+            (_, 0) => 0,
+            (true, _) => self.sweep(fraction, most),
+            (false, _) => u32::from(self.shoot_if_above(fraction)),
+        }
     }
 }
 
 /// Radiosity times form factor, 2^`shift` times as many units of irradiance,
 /// rounded to nearest: less than 2^48.
 #[inline]
-fn arriving<F: Format>(radiosity: u32, factor: F, shift: u32) -> u64 {
+fn arriving<F: Format>(radiosity: i32, factor: F, shift: u32) -> i64 {
     // At least 2^−24 is the factor's unit, at most 2^16 the shift.
     const { assert!(LARGEST_SHIFT < 24) };
     let down = F::FRACTION.wrapping_sub(shift) & 63;
-    let product = u64::from(radiosity).wrapping_mul(factor.to_bits() as u64);
+    let product = i64::from(radiosity).wrapping_mul(factor.to_bits().into());
     (product >> (down.wrapping_sub(1) & 63)).wrapping_add(1) >> 1
 }

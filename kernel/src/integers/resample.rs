@@ -5,6 +5,9 @@
 //! bits as leave every sum of 64 bits exact.
 
 use super::light::Light;
+use super::scene::Scene;
+use super::tables::Surface;
+use super::transfer::{Transfer, saturated};
 use crate::Error;
 use crate::error::What;
 use crate::form_factor::fixed_point::Format;
@@ -36,22 +39,22 @@ fn root(x: u64) -> u64 {
 /// one division. Never panics.
 pub fn cone(
     places: &[[i32; 2]],
-    values: &[u32],
+    values: &[i32],
     [u, v]: [i32; 2],
     radius: u32,
-) -> Option<Filtered<u32>> {
+) -> Option<Filtered<i32>> {
     let count = if places.len() < values.len() {
         places.len()
     } else {
         values.len()
     } as u64;
-    // Weights of so many bits, times so many words, are a sum of 64 bits.
+    // Weights of so many bits, times so many words with a sign, are a sum of 64 bits.
     let bits = 32_u32.saturating_sub(64 - count.leading_zeros());
     let mut radius = u64::from(radius);
     for doublings in 0..DOUBLINGS {
         let reach = radius.saturating_mul(radius);
         let drop = (64 - radius.leading_zeros()).saturating_sub(bits);
-        let (mut sum, mut weights) = (0_u64, 0_u64);
+        let (mut sum, mut weights) = (0_i64, 0_i64);
         for (&[u_i, v_i], &value) in places.iter().zip(values) {
             let square = |a: i32, b: i32| {
                 let difference = u64::from(a.abs_diff(b));
@@ -61,15 +64,15 @@ pub fn cone(
             if squared < reach {
                 // Rounding may put a sample on the rim a hair beyond it.
                 let weight = radius.saturating_sub(root(squared)) >> (drop & 63);
+                let weight = i64::from(weight as i32); // it has 31 bits
                 sum = sum.wrapping_add(weight.wrapping_mul(value.into()));
                 weights = weights.wrapping_add(weight);
             }
         }
         if weights > 0 {
-            let mean = sum.saturating_add(weights >> 1).checked_div(weights);
-            let mean = u32::try_from(mean.unwrap_or(0));
+            let mean = sum.saturating_add(weights >> 1).checked_div_euclid(weights);
             return Some(Filtered {
-                value: mean.unwrap_or(u32::MAX),
+                value: saturated(mean.unwrap_or(0)),
                 doublings,
             });
         }
@@ -78,7 +81,9 @@ pub fn cone(
     None
 }
 
-impl<F: Format, const SAMPLES: usize, const EMITTERS: usize> Light<'_, F, SAMPLES, EMITTERS> {
+impl<F: Format, const SAMPLES: usize, const EMITTERS: usize, T: Transfer>
+    Light<'_, F, SAMPLES, EMITTERS, T>
+{
     /// The cone-filtered irradiance at (u, v) in the frame of a surface, in the
     /// tables' units; `None` for a surface without samples.
     ///
@@ -88,13 +93,34 @@ impl<F: Format, const SAMPLES: usize, const EMITTERS: usize> Light<'_, F, SAMPLE
         &self,
         surface: usize,
         place: [i32; 2],
-    ) -> Result<Option<Filtered<u32>>, Error> {
+    ) -> Result<Option<Filtered<i32>>, Error> {
         let scene = self.scene();
-        let surface = scene.surface(surface)?;
-        let (first, places) = scene.samples_of(surface);
-        let values = self.irradiance().get(first..).unwrap_or_default();
-        let radius = surface.filter_radius.unsigned_abs();
-        Ok(cone(places, values, place, radius))
+        Ok(self.filtered(&scene, scene.surface(surface)?, place))
+    }
+
+    /// Where direct and reflected light have samples of their own, each is filtered over
+    /// its own, and the two are added.
+    fn filtered(
+        &self,
+        scene: &Scene<'_>,
+        surface: &Surface,
+        place: [i32; 2],
+    ) -> Option<Filtered<i32>> {
+        let of = |is_luminaire| {
+            let samples = scene.receivers(surface, is_luminaire);
+            let places = scene.samples().get(samples.clone())?;
+            let values = self.irradiance().get(samples)?;
+            cone(places, values, place, surface.filter_radius.unsigned_abs())
+        };
+        let direct = of(true)?;
+        if surface.direct == 0 && surface.indirect == 0 {
+            return Some(direct);
+        }
+        let reflected = of(false)?;
+        Some(Filtered {
+            value: direct.value.saturating_add(reflected.value),
+            doublings: direct.doublings.saturating_add(reflected.doublings),
+        })
     }
 
     /// Row `row` of a `columns` × `rows` grid over the bounding rectangle of a
@@ -111,9 +137,11 @@ impl<F: Format, const SAMPLES: usize, const EMITTERS: usize> Light<'_, F, SAMPLE
         surface: usize,
         [columns, rows]: [u32; 2],
         row: u32,
-        out: &mut [u32],
+        out: &mut [i32],
     ) -> Result<Row, Error> {
-        let [width, height] = self.scene().surface(surface)?.size;
+        let scene = self.scene();
+        let surface = scene.surface(surface)?;
+        let [width, height] = surface.size;
         if row >= rows {
             return Err(Error::Unknown {
                 what: What::Rows,
@@ -132,7 +160,7 @@ impl<F: Format, const SAMPLES: usize, const EMITTERS: usize> Light<'_, F, SAMPLE
         let mut out_of_reach = 0_u32;
         for (column, cell) in (0_u32..).zip(out) {
             let u = center(column, columns, width);
-            let filtered = self.resample_at(surface, [u, v])?;
+            let filtered = self.filtered(&scene, surface, [u, v]);
             let grown = filtered.is_some_and(|filtered| filtered.doublings > 0);
             out_of_reach = out_of_reach.saturating_add(grown.into());
             *cell = filtered.map_or(0, |filtered| filtered.value);
@@ -165,7 +193,7 @@ mod tests {
     #[test]
     fn a_constant_field_stays_constant() {
         let places = [[0, 0], [1 << 28, 5], [77, 1 << 28], [1 << 28, 1 << 28]];
-        for value in [0, 1, 1 << 31, u32::MAX] {
+        for value in [0, 1, -1, 1 << 30, i32::MAX] {
             for place in [[0, 0], [1 << 27, 1 << 27], [9, 1 << 28]] {
                 for radius in [1, 1 << 20, 1 << 28, i32::MAX as u32] {
                     let filtered = cone(&places, &[value; 4], place, radius);

@@ -6,7 +6,8 @@ use crate::Error;
 use crate::error::What;
 use crate::form_factor::fixed_point::{Format, Plane, Receiver, Scale, of_loops};
 use crate::scene::records::Counts;
-use crate::scene::{check as common, section, slice};
+use crate::scene::{Term, check as common, even, matrix, receiving, section, slice};
+use core::ops::Range;
 
 /// A checked scene, borrowed from its tables. Copying it copies a few slices.
 #[derive(Clone, Copy, Debug)]
@@ -15,11 +16,15 @@ pub struct Scene<'t> {
     surfaces: &'t [Surface],
     reflectances: &'t [u32],
     emitters: &'t [Emitter],
-    exitances: &'t [u32],
+    exitances: &'t [i32],
     loops: &'t [Loop],
     vertices: &'t [[i32; 3]],
     samples: &'t [[i32; 2]],
+    weights: &'t [[i32; 3]],
     members: &'t [u16],
+    scales: &'t [u32],
+    fractions: &'t [u16],
+    terms: &'t [u8],
 }
 
 /// The largest coordinate of a receiver of its own: eight times that of any
@@ -82,7 +87,11 @@ impl<'t> Scene<'t> {
         loops: &[],
         vertices: &[],
         samples: &[],
+        weights: &[],
         members: &[],
+        scales: &[],
+        fractions: &[],
+        terms: &[],
     };
 
     /// Reads and checks baked tables in place; nothing is copied.
@@ -95,14 +104,24 @@ impl<'t> Scene<'t> {
         let required = |header: &Header| required_bytes(&header.counts);
         let (header, rest) = common::header(tables, &MAGIC, VERSION, required)?;
         let counts = &header.counts;
-        let (surfaces, rest) = section::<Surface>(rest, counts.surfaces)?;
+        let (surfaces, rest) = section::<Surface>(rest, receiving(counts))?;
         let (reflectances, rest) = section::<u32>(rest, counts.surfaces)?;
         let (emitters, rest) = section::<Emitter>(rest, counts.emitters)?;
-        let (exitances, rest) = section::<u32>(rest, counts.luminaires)?;
+        let (exitances, rest) = section::<i32>(rest, counts.luminaires)?;
         let (loops, rest) = section::<Loop>(rest, counts.loops)?;
         let (vertices, rest) = section::<[i32; 3]>(rest, counts.vertices)?;
         let (samples, rest) = section::<[i32; 2]>(rest, counts.samples)?;
-        let (members, _) = section::<u16>(rest, counts.members)?;
+        let weighted = if counts.weights > 0 {
+            counts.members
+        } else {
+            0
+        };
+        let (weights, rest) = section::<[i32; 3]>(rest, weighted)?;
+        let (members, rest) = section::<u16>(rest, even(counts.members))?;
+        let (scales, rest) = section::<u32>(rest, matrix::scales(counts))?;
+        let (fractions, rest) = section::<u16>(rest, even(counts.fractions))?;
+        let bytes = u32::try_from(matrix::bytes(counts)).unwrap_or(u32::MAX);
+        let (terms, _) = section::<u8>(rest, bytes)?;
         let scene = Self {
             header,
             surfaces,
@@ -112,7 +131,11 @@ impl<'t> Scene<'t> {
             loops,
             vertices,
             samples,
-            members,
+            weights,
+            members: slice(members, 0, counts.members),
+            scales,
+            fractions: slice(fractions, 0, counts.fractions),
+            terms,
         };
         check::records(&scene)?;
         Ok(scene)
@@ -130,6 +153,17 @@ impl<'t> Scene<'t> {
 
     /// The surfaces, in the order of the scene file.
     pub fn surfaces(&self) -> &'t [Surface] {
+        slice(self.surfaces, 0, self.header.counts.surfaces)
+    }
+
+    /// The named points, in the order of the scene file: the place is the origin.
+    pub fn points(&self) -> &'t [Surface] {
+        let counts = &self.header.counts;
+        slice(self.surfaces, counts.surfaces, counts.points)
+    }
+
+    /// Surfaces and named points: all that has samples.
+    pub(super) fn receiving(&self) -> &'t [Surface] {
         self.surfaces
     }
 
@@ -155,15 +189,72 @@ impl<'t> Scene<'t> {
         self.members
     }
 
+    pub(super) fn exitances(&self) -> &'t [i32] {
+        self.exitances
+    }
+
+    /// Which of all samples receive, on one surface or named point, from luminaires or from
+    /// what reflects.
+    #[inline]
+    pub fn receivers(&self, surface: &Surface, is_luminaire: bool) -> Range<usize> {
+        let first = surface.first_sample as usize;
+        let end = first.saturating_add(surface.samples as usize);
+        if is_luminaire {
+            first..end.saturating_sub(surface.indirect as usize)
+        } else {
+            first.saturating_add(surface.direct as usize)..end
+        }
+    }
+
+    /// The scales of the terms, one a receiver.
+    pub(super) fn scales(&self) -> &'t [u32] {
+        self.scales
+    }
+
+    /// The terms, and which of them is that of an emitter for a receiver, counted among
+    /// all samples that receive reflected light.
+    #[inline(always)]
+    pub(super) fn terms(&self, emitter: usize, receiver: u32) -> (u32, &'t [u8]) {
+        let nth = (emitter as u32).wrapping_sub(self.header.counts.luminaires);
+        let before = nth.wrapping_mul(self.scales.len() as u32);
+        (before.wrapping_add(receiver), self.terms)
+    }
+
+    /// The terms of an emitter for a receiver and those that follow it, without their
+    /// scales. Cost: some 20 instructions a term; the kernel itself reads them otherwise.
+    pub fn terms_of(&self, emitter: usize, receiver: u32) -> impl Iterator<Item = Term> + use<'t> {
+        let (first, terms) = self.terms(emitter, receiver);
+        let bits = self.header.counts.bits;
+        (first..).map_while(move |index| {
+            // A word can be read wherever a term begins.
+            let at = u64::from(index).wrapping_mul(u64::from(bits) << 1);
+            let word = terms.get((at >> 3) as usize..)?.first_chunk()?;
+            Some(Term::of(bits, u32::from_le_bytes(*word) >> (at & 7)))
+        })
+    }
+
+    /// The parts of a luminaire's form factor that receivers see, from this one on, counted
+    /// among all samples that receive direct light; in 65 535ths. Empty where all of them
+    /// see all.
+    #[inline(always)]
+    pub(super) fn fractions(&self, luminaire: usize, receiver: u32) -> &'t [u16] {
+        let luminaires = self.header.counts.luminaires;
+        let receivers = self.header.counts.fractions.checked_div(luminaires);
+        let before = (luminaire as u32).wrapping_mul(receivers.unwrap_or(0));
+        let first = before.wrapping_add(receiver) as usize;
+        self.fractions.get(first..).unwrap_or(&[])
+    }
+
     /// One surface.
     ///
     /// # Errors
     /// [`Error::Unknown`] where there is no such surface.
     pub fn surface(&self, index: usize) -> Result<&'t Surface, Error> {
-        self.surfaces.get(index).ok_or(Error::Unknown {
+        let surfaces = self.surfaces();
+        surfaces.get(index).ok_or(Error::Unknown {
             what: What::Surfaces,
             asked: index as u32,
-            have: self.surfaces.len() as u32,
+            have: surfaces.len() as u32,
         })
     }
 
@@ -174,7 +265,7 @@ impl<'t> Scene<'t> {
 
     /// The emitted radiosity of an emitter in the unit of exitance; 0 for one
     /// that only reflects.
-    pub fn exitance(&self, emitter: usize) -> u32 {
+    pub fn exitance(&self, emitter: usize) -> i32 {
         self.exitances.get(emitter).copied().unwrap_or(0)
     }
 
@@ -191,10 +282,16 @@ impl<'t> Scene<'t> {
         (first as usize, samples)
     }
 
-    /// Indices of the samples whose mean irradiance an emitter reflects; empty
-    /// for a luminaire.
+    /// Indices of the samples whose irradiance an emitter reflects; empty for a
+    /// luminaire.
     pub fn members_of(&self, emitter: &Emitter) -> &'t [u16] {
         slice(self.members, emitter.first_member, emitter.members)
+    }
+
+    /// What these weigh in the coefficients of a linear radiosity; empty where it is
+    /// their mean.
+    pub(super) fn weights_of(&self, emitter: &Emitter) -> &'t [[i32; 3]] {
+        slice(self.weights, emitter.first_member, emitter.members)
     }
 
     /// A receiver at a place in metres, with a normal of any length, both read
@@ -269,10 +366,14 @@ impl<'t> Scene<'t> {
         if front.is_of(receiver) {
             return F::ZERO;
         }
+        of_loops(receiver, &front.plane, self.loops_of(emitter))
+    }
+
+    /// The loops of an emitter's polygon: pieces counter-clockwise, holes clockwise.
+    #[inline(always)]
+    pub fn loops_of(&self, emitter: &Emitter) -> impl Iterator<Item = &'t [[i32; 3]]> + use<'t> {
         let vertices = self.vertices;
         let loops = slice(self.loops, emitter.first_loop, emitter.loops).iter();
-        let outlines =
-            loops.map(move |outline| slice(vertices, outline.first_vertex, outline.vertices));
-        of_loops(receiver, &front.plane, outlines)
+        loops.map(move |outline| slice(vertices, outline.first_vertex, outline.vertices))
     }
 }

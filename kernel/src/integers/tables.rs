@@ -1,17 +1,34 @@
 //! The integer tables as they lie in flash.
 //!
-//! Little-endian, 4-byte aligned. A header, then without gaps surfaces,
-//! reflectances (`u32`, one a surface), emitters, exitances (`u32`, one a
-//! luminaire), loops, vertices (`[i32; 3]`), samples (`[i32; 2]`, in the frame of
-//! their surface) and members (`u16` sample indices, padded to 4 bytes with 0).
-//! Orders and meanings are those of [`scene`](crate::scene).
+//! Little-endian, 4-byte aligned. A header, then without gaps
+//!
+//! | section | record | bytes each |
+//! | --- | --- | --- |
+//! | surfaces | [`Surface`], the named points behind the surfaces | 84 |
+//! | reflectances | `u32`, one a surface, in 2⁻³² | 4 |
+//! | emitters | [`Emitter`] | 24 |
+//! | exitances | `i32`, one a luminaire, not below 0 | 4 |
+//! | loops | [`Loop`] | 8 |
+//! | vertices | `[i32; 3]` | 12 |
+//! | samples | `[i32; 2]`, in the frame of their surface | 8 |
+//! | weights | `[i32; 3]`, of the coefficients of a linear radiosity, one a member, in 2⁻²⁴ | 12 |
+//! | members | `u16` sample indices, padded to 4 bytes with 0 | 2 |
+//! | scales | `u32`, of terms, one a receiver, in 2^−(31 + 2 bits) | 4 |
+//! | fractions | `u16`, in 65 535ths, padded to 4 bytes with 0 | 2 |
+//! | terms | [`Term`](crate::scene::Term), 2 bits a bit of its factor, padded to 4 bytes with 0 | 1, 1½ or 2 |
+//!
+//! Orders and meanings are those of [`scene`](crate::scene). Where radiosities are constant
+//! there are no weights, scales, fractions and terms; where they are linear what reflects
+//! has terms and needs no loops.
 
+use crate::scene::matrix;
 use crate::scene::records::Counts;
+use crate::scene::{even, receiving};
 use core::mem::size_of;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// The version of the format that this kernel reads.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// The first eight bytes of integer tables.
 pub const MAGIC: [u8; 8] = *b"isoluxi\n";
@@ -32,8 +49,8 @@ pub struct Header {
     /// [`checksum`](crate::scene::records::checksum) of everything behind this
     /// field.
     pub checksum: u32,
-    /// How many there are of everything: one channel, one coefficient, and
-    /// nothing of what only the floating-point tables have.
+    /// How many there are of everything: one channel, and nothing of what only the
+    /// floating-point tables have.
     pub counts: Counts,
     /// Binary logarithm of the unit of length in metres.
     pub length: i32,
@@ -48,6 +65,11 @@ pub struct Header {
 }
 
 impl Header {
+    /// Binary logarithm of the unit of exitance in W m⁻².
+    pub(super) fn exitance(&self) -> i32 {
+        self.irradiance.saturating_add_unsigned(self.shift)
+    }
+
     /// That of a scene with nothing in it.
     pub(super) const EMPTY: Self = Self {
         magic: MAGIC,
@@ -80,8 +102,13 @@ pub struct Surface {
     pub filter_radius: i32,
     /// Where its samples begin.
     pub first_sample: u32,
-    /// How many samples it has.
+    /// How many samples it has in all.
     pub samples: u32,
+    /// How many of them, the first, receive only from luminaires, ...
+    pub direct: u32,
+    /// ... and how many, the others, only from what reflects. Both are 0 where every
+    /// sample receives all light.
+    pub indirect: u32,
 }
 
 impl Surface {
@@ -134,17 +161,26 @@ pub struct Loop {
 /// Bytes of integer tables with these counts: what a bake writes and
 /// [`Scene::load`](super::Scene::load) demands. `None` where they exceed 4 GiB.
 pub const fn required_bytes(counts: &Counts) -> Option<u32> {
-    let members = counts.members as u64 + counts.members as u64 % 2;
+    let weighted = if counts.weights > 0 {
+        counts.members
+    } else {
+        0
+    };
     let sections = [
-        (counts.surfaces as u64, size_of::<Surface>() as u64 + 4),
+        (receiving(counts) as u64, size_of::<Surface>() as u64),
+        (counts.surfaces as u64, 4),
         (counts.emitters as u64, size_of::<Emitter>() as u64),
         (counts.luminaires as u64, 4),
         (counts.loops as u64, size_of::<Loop>() as u64),
         (counts.vertices as u64, 12),
         (counts.samples as u64, 8),
-        (members, 2),
+        (weighted as u64, 12),
+        (even(counts.members) as u64, 2),
+        (matrix::scales(counts) as u64, 4),
+        (even(counts.fractions) as u64, 2),
+        (matrix::bytes(counts), 1),
     ];
-    // Seven products below 2^39.
+    // Twelve products below 2^40.
     let mut bytes = size_of::<Header>() as u64;
     let mut rest: &[(u64, u64)] = &sections;
     while let [(count, size), others @ ..] = rest {

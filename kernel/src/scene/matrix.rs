@@ -36,22 +36,34 @@ impl Term {
     /// the lowest, then a, then b. The factor is not yet scaled: c².
     #[inline(always)]
     pub fn of(bits: u32, word: u32) -> Self {
-        let half = bits >> 1;
-        let part =
-            |from: u32, bits: u32| word >> (from & 31) & (1_u32 << (bits & 31)).wrapping_sub(1);
-        let code = part(0, bits);
-        let middle = (1_u32 << (half & 31)) >> 1;
+        let [code, a, b] = codes(bits, word);
+        let middle = middle(bits);
         // A power of two: the division is exact.
         let step = 1.0 / middle as f32;
         let place = |code: u32| code.wrapping_sub(middle) as i32 as f32 * step;
         Self {
             factor: code.wrapping_mul(code) as f32,
-            place: [
-                place(part(bits, half)),
-                place(part(bits.wrapping_add(half), half)),
-            ],
+            place: [place(a), place(b)],
         }
     }
+}
+
+/// The numbers that the bits of a term are: c, i and j.
+#[inline(always)]
+pub(crate) fn codes(bits: u32, word: u32) -> [u32; 3] {
+    let half = bits >> 1;
+    let part = |from: u32, bits: u32| word >> (from & 31) & (1_u32 << (bits & 31)).wrapping_sub(1);
+    [
+        part(0, bits),
+        part(bits, half),
+        part(bits.wrapping_add(half), half),
+    ]
+}
+
+/// h, which stands for the middle of an emitter.
+#[inline(always)]
+pub(crate) fn middle(bits: u32) -> u32 {
+    (1_u32 << ((bits >> 1) & 31)) >> 1
 }
 
 /// The square of a response's 16 bits, to be scaled.
@@ -68,7 +80,7 @@ impl Response {
 }
 
 /// How many scales tables with these counts have.
-pub(super) const fn scales(counts: &Counts) -> u32 {
+pub(crate) const fn scales(counts: &Counts) -> u32 {
     if counts.responses > 0 {
         return counts.luminaires.saturating_mul(counts.channels);
     }
@@ -80,7 +92,7 @@ pub(super) const fn scales(counts: &Counts) -> u32 {
 
 /// Bytes of the terms of tables with these counts: whole words, so that a word can
 /// be read wherever a term begins.
-pub(super) const fn bytes(counts: &Counts) -> u64 {
+pub(crate) const fn bytes(counts: &Counts) -> u64 {
     if counts.terms == 0 {
         return 0;
     }
@@ -93,18 +105,41 @@ const fn secondary(counts: &Counts) -> u32 {
     counts.emitters.saturating_sub(counts.luminaires)
 }
 
-/// Adds to each receiver, with its scale, what its term brings.
+/// Gives each item with the bits of its term: terms of so many bits a factor, of which
+/// the first item has this one.
 #[inline(always)]
-fn add<'a, L: Luminance>(
-    receivers: impl Iterator<Item = (&'a mut L::Colour, &'a f32)>,
-    words: impl Iterator<Item = u32>,
+pub(crate) fn with_words<T>(
+    terms: &[u8],
     bits: u32,
-    radiosity: L,
+    first: u32,
+    items: impl Iterator<Item = T>,
+    mut take: impl FnMut(T, u32),
 ) {
-    for ((value, &scale), word) in receivers.zip(words) {
-        let Term { factor, place } = Term::of(bits, word);
-        if factor > 0.0 {
-            *value = value.plus(radiosity.received(factor * scale, || place));
+    let begin = u64::from(first).wrapping_mul(u64::from(bits) << 1);
+    let bytes = terms.get((begin >> 3) as usize..).unwrap_or(&[]);
+    // Where terms are whole bytes they are read as such.
+    match bits {
+        4 => {
+            for (item, &byte) in items.zip(bytes) {
+                take(item, byte.into());
+            }
+        }
+        8 => {
+            let (words, _) = bytes.as_chunks::<2>();
+            for (item, word) in items.zip(words) {
+                take(item, u16::from_le_bytes(*word).into());
+            }
+        }
+        _ => {
+            let begin = (begin & 7) as u32;
+            let words = (0_u32..).map_while(|k| {
+                let at = k.wrapping_mul(bits << 1).wrapping_add(begin);
+                let word = bytes.get((at >> 3) as usize..)?.first_chunk()?;
+                Some(u32::from_le_bytes(*word) >> (at & 7))
+            });
+            for (item, word) in items.zip(words) {
+                take(item, word);
+            }
         }
     }
 }
@@ -129,34 +164,19 @@ impl Scene<'_> {
             .wrapping_mul(self.scales.len() as u32)
             .wrapping_add(first);
         let scales = self.scales.get(first as usize..).unwrap_or(&[]);
-        let begin = u64::from(index).wrapping_mul(u64::from(bits) << 1);
-        let bytes = self.codes.get((begin >> 3) as usize..).unwrap_or(&[]);
         let receivers = values.iter_mut().zip(scales);
-        // Where terms are whole bytes they are read as such.
-        match bits {
-            4 => add(
-                receivers,
-                bytes.iter().copied().map(u32::from),
-                bits,
-                radiosity,
-            ),
-            8 => {
-                let (words, _) = bytes.as_chunks::<2>();
-                let words = words
-                    .iter()
-                    .map(|word| u32::from(u16::from_le_bytes(*word)));
-                add(receivers, words, bits, radiosity);
-            }
-            _ => {
-                let begin = (begin & 7) as u32;
-                let words = (0_u32..).map_while(|k| {
-                    let at = k.wrapping_mul(bits << 1).wrapping_add(begin);
-                    let word = bytes.get((at >> 3) as usize..)?.first_chunk()?;
-                    Some(u32::from_le_bytes(*word) >> (at & 7))
-                });
-                add(receivers, words, bits, radiosity);
-            }
-        }
+        with_words(
+            self.codes,
+            bits,
+            index,
+            receivers,
+            |(value, &scale), word| {
+                let Term { factor, place } = Term::of(bits, word);
+                if factor > 0.0 {
+                    *value = value.plus(radiosity.received(factor * scale, || place));
+                }
+            },
+        );
     }
 
     /// What a sample receives in the end of a luminaire's light, for 1 W m⁻² of its

@@ -78,7 +78,7 @@
 pub(crate) mod check;
 mod coded;
 pub mod fields;
-mod matrix;
+pub(crate) mod matrix;
 mod received;
 pub mod records;
 
@@ -448,13 +448,13 @@ pub(crate) fn slice<T>(all: &[T], first: u32, count: u32) -> &[T] {
 }
 
 /// Surfaces and named points together.
-const fn receiving(counts: &Counts) -> u32 {
+pub(crate) const fn receiving(counts: &Counts) -> u32 {
     counts.surfaces.saturating_add(counts.points)
 }
 
 /// Half-words with their padding to whole words; the last number of all, which
 /// no table reaches, stays as it is.
-const fn even(half_words: u32) -> u32 {
+pub(crate) const fn even(half_words: u32) -> u32 {
     half_words.saturating_add(half_words % 2)
 }
 

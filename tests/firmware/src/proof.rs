@@ -62,7 +62,8 @@ mod entries {
     /// Capacities of the proof; no code depends on their values.
     type Light<'t, A> = shoot::Light<'t, A, 64, 16>;
     type FixedLight<'t> = integers::Light<'t, Q29, 64, 16>;
-    type ShortLight<'t> = integers::Light<'t, Q24, 64, 16>;
+    /// The other rung of both ladders, so that each is here once.
+    type ShortMatrix<'t> = integers::Light<'t, Q24, 64, 16, integers::Matrix<8>>;
     type BestLight<'t> = Light<'t, Best<Chosen>>;
     type LibmLight<'t> = Light<'t, Libm<Chosen>>;
     type CodedLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Linear<f32>, Codes>;
@@ -362,25 +363,49 @@ mod entries {
         fn isolux_entry_integers_solve(light: &mut FixedLight<'static>, stop: Stop) -> Solved {
             light.solve(stop)
         }
-        fn isolux_entry_integers_solve_q24(light: &mut ShortLight<'static>, stop: Stop) -> Solved {
+        fn isolux_entry_integers_solve_matrix_q24(light: &mut ShortMatrix<'static>, stop: Stop) -> Solved {
             light.solve(stop)
         }
         fn isolux_entry_integers_unshot_fraction(light: &FixedLight<'static>) -> f32 {
             light.unshot_fraction()
         }
-        fn isolux_entry_integers_radiosity(light: &FixedLight<'static>, emitter: usize) -> u32 {
+        fn isolux_entry_integers_radiosity(light: &FixedLight<'static>, emitter: usize) -> i32 {
             light.radiosity(emitter)
+        }
+        fn isolux_entry_integers_point(light: &FixedLight<'static>, index: usize) -> Result<i32, Error> {
+            light.point(index)
+        }
+        fn isolux_entry_integers_set_radiance(light: &mut FixedLight<'static>, luminaire: usize, radiance: f32) -> Result<(), Error> {
+            light.set_radiance(luminaire, radiance)
+        }
+        fn isolux_entry_integers_radiance(light: &FixedLight<'static>, luminaire: usize) -> f32 {
+            light.radiance(luminaire)
+        }
+        fn isolux_entry_integers_update(light: &mut FixedLight<'static>, stop: Stop) -> Solved {
+            light.update(stop)
+        }
+        fn isolux_entry_integers_new_matrix(scene: integers::Scene<'static>) -> Result<ShortMatrix<'static>, Error> {
+            ShortMatrix::new(scene)
+        }
+        fn isolux_entry_integers_update_matrix_q24(light: &mut ShortMatrix<'static>, stop: Stop) -> Solved {
+            light.update(stop)
+        }
+        fn isolux_entry_integers_terms_of_6_bits(scene: &integers::Scene<'static>, emitter: usize, first: u32, radiosity: [i32; 3], values: &mut [i32]) -> bool {
+            <integers::Matrix<6> as integers::Transfer>::add(scene, emitter, first, radiosity, values)
+        }
+        fn isolux_entry_integers_coefficients_matrix(light: &ShortMatrix<'static>, emitter: usize) -> [i32; 3] {
+            light.coefficients(emitter)
         }
         fn isolux_entry_integers_at(light: &FixedLight<'static>, receiver: &fixed_point::Receiver<Q29>) -> u64 {
             light.at(receiver)
         }
-        fn isolux_entry_integers_resample_row(light: &FixedLight<'static>, surface: usize, grid: [u32; 2], row: u32, out: &mut [u32]) -> Result<Row, Error> {
+        fn isolux_entry_integers_resample_row(light: &FixedLight<'static>, surface: usize, grid: [u32; 2], row: u32, out: &mut [i32]) -> Result<Row, Error> {
             light.resample_row(surface, grid, row, out)
         }
-        fn isolux_entry_integers_resample_at(light: &FixedLight<'static>, surface: usize, place: [i32; 2]) -> Result<Option<Filtered<u32>>, Error> {
+        fn isolux_entry_integers_resample_at(light: &FixedLight<'static>, surface: usize, place: [i32; 2]) -> Result<Option<Filtered<i32>>, Error> {
             light.resample_at(surface, place)
         }
-        fn isolux_entry_integers_cone(places: &[[i32; 2]], values: &[u32], place: [i32; 2], radius: u32) -> Option<Filtered<u32>> {
+        fn isolux_entry_integers_cone(places: &[[i32; 2]], values: &[i32], place: [i32; 2], radius: u32) -> Option<Filtered<i32>> {
             integers::cone(places, values, place, radius)
         }
 

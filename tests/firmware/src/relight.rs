@@ -15,7 +15,7 @@ mod job;
 #[cfg(target_os = "none")]
 #[allow(dead_code, reason = "the firmware takes the rest")]
 mod meter;
-#[cfg(all(target_os = "none", not(integer_tables)))]
+#[cfg(target_os = "none")]
 mod relight_target;
 #[cfg(all(target_os = "none", not(integer_tables)))]
 mod root;

@@ -2,6 +2,7 @@
 
 use cortex_m::singleton;
 use isolux::Error;
+#[cfg(not(integer_tables))]
 use isolux::luminance::Colour;
 use isolux::shoot::{Solved, Stop};
 use semihosting::process;
@@ -10,6 +11,21 @@ use crate::clock::Clock;
 use crate::job::{self, baked};
 use crate::meter::{Cost, Meter};
 use baked::{DARK, Light, Value};
+
+/// What a luminaire's radiance is in.
+#[cfg(not(integer_tables))]
+type Radiance = Value;
+#[cfg(integer_tables)]
+type Radiance = f32;
+
+/// Half of it.
+fn half(radiance: Radiance) -> Radiance {
+    #[cfg(not(integer_tables))]
+    return radiance.times(0.5);
+    // Its exponent less 1: this core may have no other way.
+    #[cfg(integer_tables)]
+    return f32::from_bits(radiance.to_bits() - (1 << 23));
+}
 
 #[inline(never)]
 #[unsafe(no_mangle)]
@@ -25,7 +41,7 @@ fn isolux_step_solve(light: &mut Light, stop: Stop) -> Solved {
 
 #[inline(never)]
 #[unsafe(no_mangle)]
-fn isolux_step_update(light: &mut Light, radiance: Value, stop: Stop) -> Result<Solved, Error> {
+fn isolux_step_update(light: &mut Light, radiance: Radiance, stop: Stop) -> Result<Solved, Error> {
     light.set_radiance(0, radiance)?;
     Ok(light.update(stop))
 }
@@ -53,7 +69,7 @@ fn run() -> Result<(), Error> {
     let (solved, cost) = meter.measure(|| isolux_step_solve(light, job::STOP));
     log("solve", cost);
     shots(solved);
-    let radiance = light.radiance(0).times(0.5);
+    let radiance = half(light.radiance(0));
     let (updated, cost) = meter.measure(|| isolux_step_update(light, radiance, job::STOP));
     log("update", cost);
     shots(updated?);
@@ -83,6 +99,9 @@ fn shots(solved: Solved) {
 /// Logs the bits of values, channel by channel.
 fn values(values: &[Value]) {
     for value in values {
+        #[cfg(integer_tables)]
+        defmt::info!("value {=u32}", value.cast_unsigned());
+        #[cfg(not(integer_tables))]
         value.map(|channel| {
             defmt::info!("value {=u32}", channel.to_bits());
             channel

@@ -150,7 +150,12 @@ mod target {
 
                 #[cfg(feature = "whole-kernel")]
                 fn solve(light: &mut State, stop: Stop) -> Solved {
-                    light.solve(stop)
+                    let solved = light.solve(stop);
+                    let radiance = light.radiance(solved.shots as usize);
+                    match light.set_radiance(0, radiance) {
+                        Ok(()) => light.update(stop),
+                        Err(_) => solved,
+                    }
                 }
 
                 #[cfg(feature = "whole-kernel")]
@@ -159,7 +164,7 @@ mod target {
                     surface: usize,
                     grid: [u32; 2],
                     row: u32,
-                    out: &mut [u32],
+                    out: &mut [i32],
                 ) -> Result<Row, Error> {
                     light.resample_row(surface, grid, row, out)
                 }
