@@ -130,6 +130,51 @@ fn the_source_names_what_the_scene_requires() {
     assert!(!shadows.contains("Exact<"), "{shadows}");
 }
 
+/// Where walls may be painted the light keeps their reflectances, and the sheet has them.
+#[test]
+fn reflectances_change_where_that_is_asked_for() {
+    let directory = directory();
+    let directory = directory.path();
+    let planned = [
+        "plan",
+        "penumbra",
+        "--samples",
+        "30",
+        "--repaint",
+        "-o",
+        "p.plan",
+    ];
+    assert_eq!(isolux(&planned, directory, "").code, 0);
+    let plan = text(directory, "p.plan");
+    assert!(plan.contains("\nrepaint = true\n"), "{plan}");
+    fs::write(
+        directory.join("not.plan"),
+        plan.replace("repaint = true\n", ""),
+    )
+    .expect("a file");
+    let ram = |plan: &str, flags: &[&str]| {
+        let flags = [&["--json", "penumbra", "--plan", plan, "-o", "a"], flags].concat();
+        let sheet: serde_json::Value =
+            serde_json::from_str(&bake(&flags, directory)).expect("JSON");
+        sheet["ram_bytes"].as_u64().expect("bytes")
+    };
+    let without = ram("not.plan", &[]);
+    assert!(!text(&directory.join("a"), "penumbra.rs").contains(", SURFACES>"));
+    let with = ram("p.plan", &[]);
+    assert!(text(&directory.join("a"), "penumbra.rs").contains("Transfer, SURFACES>;"));
+    // The luminaire, the receiver and the occluder.
+    assert_eq!(with, without + 4 * 3);
+    assert_eq!(ram("not.plan", &["--repaint"]), with);
+    let vectors = ["--plan", "p.plan", "--transfer", "vectors", "-o", "a"];
+    let refused = isolux(
+        &[&["bake", "penumbra"], &vectors[..]].concat(),
+        directory,
+        "",
+    );
+    assert_eq!(refused.code, 2, "{}", refused.stderr);
+    assert!(refused.stderr.contains("--repaint"), "{}", refused.stderr);
+}
+
 #[test]
 fn names_are_constants() {
     let directory = directory();

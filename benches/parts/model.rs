@@ -39,7 +39,7 @@ const Q24_TERMS: &[&str] = &["--arithmetic", "q24", "--transfer", "matrix"];
 
 /// What the costs are fitted to: every kind of emitter, visibility, transfer and
 /// reconstruction, each in several sizes.
-pub(crate) const RUNS: [Run; 63] = [
+pub(crate) const RUNS: [Run; 59] = [
     run("paper", 0, &[]),
     run("paper", 70, &[]),
     run("paper", 66, &[]),
@@ -77,10 +77,6 @@ pub(crate) const RUNS: [Run; 63] = [
     run("office", 380, ISOLUX),
     run("office", 340, CODED_ROOM),
     run("office", 380, CODED_ROOM),
-    run("cornell", 200, &[]),
-    run("cornell", 350, &[]),
-    run("cornell-rgb", 220, &[]),
-    run("office", 340, &[]),
     run("paper", 0, Q29),
     run("paper", 40, Q29),
     run("paper", 49, Q29),

@@ -13,6 +13,12 @@ pub const fn light_bytes(counts: &Counts) -> usize {
     counts.channels as usize * (4 * counts.samples as usize + 8 * coefficients) + 228
 }
 
+/// Bytes of RAM that [`Light`](crate::shoot::Light) takes besides where reflectances may
+/// change: 4 a surface and channel.
+pub const fn reflectance_bytes(counts: &Counts) -> usize {
+    4 * counts.channels as usize * counts.surfaces as usize
+}
+
 /// Bytes of RAM that the workspace of [`Exact`](crate::visibility::Exact) takes
 /// on a 32-bit part; 0 where nothing occludes.
 ///

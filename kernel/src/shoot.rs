@@ -51,8 +51,8 @@ use unshot::difference;
 /// how many surfaces there are where reflectances may change
 /// ([`set_reflectance`](Light::set_reflectance)), 0 where they stay as they were
 /// baked.
-/// RAM: [`budget::light_bytes`](crate::budget::light_bytes), and for every channel
-/// 4 of the `SURFACES`.
+/// RAM: [`budget::light_bytes`](crate::budget::light_bytes), and with `SURFACES`
+/// [`budget::reflectance_bytes`](crate::budget::reflectance_bytes).
 #[derive(Clone, Debug)]
 pub struct Light<
     't,

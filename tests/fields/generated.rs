@@ -11,7 +11,7 @@ use isolux_host::pilot::{self, Manner};
 use isolux_host::plan::Plan;
 use isolux_host::plan::shadow::Floor;
 use isolux_host::reference::{Reference, Reflections};
-use isolux_host::scene::{Budget, Scene};
+use isolux_host::scene::Scene;
 use isolux_host::solve::{self, Rung, Sight, Solution};
 
 /// Rooms, unless `ISOLUX_ROOMS` says how many.
@@ -26,8 +26,8 @@ const DARK: f64 = 1e-3;
 /// A relative error from which on a place is simply wrong, as predictions count it.
 const WRONG: f64 = 0.25;
 
-/// Evaluations of the solution that is taken for the truth: in some 800 patches.
-const SAMPLES: u64 = 4000;
+/// Patches of the solution that is taken for the truth.
+const PATCHES: usize = 1000;
 
 /// What became of rooms.
 #[derive(Debug, Default)]
@@ -85,11 +85,7 @@ fn one(seed: u64, outcome: &mut Outcome) {
     };
     assert!(plan.samples() as u64 <= samples, "seed {seed}");
     let tables = bake::bake(&scene, &plan, Some(occlusion.clone())).expect("tables");
-    let fine = Budget {
-        samples: Some(SAMPLES),
-        ..scene.budget.clone()
-    };
-    let fine = pilot::linear(&scene, &fine, looking, &field).expect("patches");
+    let fine = pilot::finely(&scene, PATCHES, looking, &field).expect("patches");
     let fine = bake::bake(&scene, &fine, Some(occlusion.clone())).expect("tables");
     let stop = Stop::below(1e-3);
     let [light, truth] = [&tables, &fine]
@@ -154,6 +150,12 @@ fn judged(
         let predicted = (squares.sum::<f64>() / surface.area).sqrt();
         outcome.surfaces += 1;
         outcome.within += usize::from(error <= predicted);
+        if error > predicted {
+            println!(
+                "seed {seed}, {}: {error:.4}, predicted {predicted:.4}",
+                surface.name
+            );
+        }
         outcome.errors.push(error);
     }
 }

@@ -104,9 +104,7 @@ fn patches(surface: &scene::Surface, side: usize) -> SurfacePlan {
 pub(crate) fn patched(source: &str, side: usize) -> Planned {
     let scene = scene::file::parse("room.toml", source).expect("a room");
     let surfaces = scene.surfaces.iter().map(|surface| patches(surface, side));
-    let plan = Plan {
-        surfaces: surfaces.collect(),
-    };
+    let plan = Plan::from(surfaces.collect::<Vec<_>>());
     let tables = bake::bake(&scene, &plan, None).expect("tables");
     (scene, plan, tables)
 }

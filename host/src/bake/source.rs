@@ -25,6 +25,8 @@ pub struct Described<'a> {
     pub arithmetic: FormFactorRung,
     /// The rung of visibility, where something occludes.
     pub sight: Sight,
+    /// Whether reflectances may change on the device.
+    pub repaint: bool,
     /// What surfaces, luminaires and points are called.
     pub names: &'a Names,
 }
@@ -214,7 +216,14 @@ fn float_types(described: &Described<'_>, head: &Head) -> String {
         true => isolux::budget::sight_bytes(&head.sight),
         false => 0,
     };
-    let bytes = isolux::budget::light_bytes(&head.counts) + workspace_bytes;
+    let (surfaces, reflectances) = match described.repaint {
+        true => (
+            ", SURFACES",
+            isolux::budget::reflectance_bytes(&head.counts),
+        ),
+        false => ("", 0),
+    };
+    let bytes = isolux::budget::light_bytes(&head.counts) + reflectances + workspace_bytes;
     format!(
         "
 #[allow(unused_imports)]
@@ -237,7 +246,7 @@ pub type Reconstruction = isolux::resample::{reconstruction}<Root>;
 
 /// The light. It belongs into a `static`, which `DARK` makes.
 pub type Light =
-    isolux::shoot::Light<'static, Arithmetic, SAMPLES, EMITTERS, Radiosity, Transfer>;
+    isolux::shoot::Light<'static, Arithmetic, SAMPLES, EMITTERS, Radiosity, Transfer{surfaces}>;
 
 /// Bytes of RAM of the light on a 32-bit part, the workspace of visibility included.
 pub const LIGHT_BYTES: usize = {bytes};

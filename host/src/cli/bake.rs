@@ -4,7 +4,7 @@ use super::choice::RungArguments;
 use super::failure::Failure;
 use super::pipeline::{self, Planned};
 use super::sheet::{self, Sheet};
-use super::{CurrentArgument, PlanArgument, SceneArgument};
+use super::{CurrentArgument, PlanArgument, RepaintArgument, SceneArgument};
 use crate::bake::{Described, Names, source};
 use crate::report::write_file;
 use clap::Args;
@@ -27,6 +27,8 @@ pub(super) struct Arguments {
     #[command(flatten)]
     current: CurrentArgument,
     #[command(flatten)]
+    repaint: RepaintArgument,
+    #[command(flatten)]
     rungs: RungArguments,
 }
 
@@ -48,7 +50,9 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         )
     })?;
     let plan = arguments.plan.plan.as_deref();
-    let planned = pipeline::plan_or_read(scene, &arguments.rungs, plan, &[])?;
+    let mut planned = pipeline::plan_or_read(scene, &arguments.rungs, plan, &[])?;
+    planned.repaint(arguments.repaint.repaint)?;
+    planned.affordable()?;
     let operations = sheet::operations(&planned, pipeline::stop(None))?;
     let current = arguments.current.microamperes;
     let sheet = Sheet::of(&planned)?.with_cost(operations.as_ref(), current);
@@ -83,6 +87,7 @@ fn write(
         file: &tables,
         arithmetic: planned.rung,
         sight: planned.sight,
+        repaint: planned.plan.repaint,
         names: &Names::of(&planned.scene),
     });
     let source = source.ok_or_else(|| Failure::limit("the tables have no head", ""))?;

@@ -39,12 +39,14 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
-    let planned = pipeline::plan_or_read(
+    let mut planned = pipeline::plan_or_read(
         pipeline::read(&arguments.scene.scene)?,
         &arguments.rungs,
         arguments.plan.plan.as_deref(),
         &[],
     )?;
+    // The program that runs paints nothing.
+    planned.plan.repaint = false;
     let bounces = arguments.bounces.bounces;
     let solution = planned.solve(bounces)?;
     let expected = expected(&planned, &solution)?;

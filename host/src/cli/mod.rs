@@ -71,6 +71,15 @@ struct PlanArgument {
     plan: Option<PathBuf>,
 }
 
+/// Whether walls are painted.
+#[derive(Clone, Copy, Debug, Default, Args)]
+struct RepaintArgument {
+    /// Leaves room on the device for reflectances that change there (`set_reflectance`), 4
+    /// bytes a surface and channel; a plan file that says so does it as well.
+    #[arg(long)]
+    repaint: bool,
+}
+
 /// What a part draws.
 #[derive(Clone, Copy, Debug, Default, Args)]
 struct CurrentArgument {

@@ -258,16 +258,34 @@ impl Planned {
             Sight::Exact => *scene.sight(),
             _ => records::Sight::default(),
         };
-        let light = isolux::budget::light_bytes(counts);
+        let reflectances = match self.plan.repaint {
+            true => isolux::budget::reflectance_bytes(counts),
+            false => 0,
+        };
+        let light = isolux::budget::light_bytes(counts) + reflectances;
         let room = isolux::budget::room_bytes(counts);
         let bytes = light + room + isolux::budget::sight_bytes(&workspace);
         Ok((bytes, workspace))
     }
 
+    /// Leaves room for reflectances that change on the device, where that is asked for or
+    /// the plan says so.
+    pub(super) fn repaint(&mut self, asked: bool) -> Result<(), Failure> {
+        self.plan.repaint |= asked;
+        let holds = !self.rung.is_integer() && self.transfer != Transfer::Vectors;
+        match self.plan.repaint && !holds {
+            true => Err(Failure::usage(
+                "reflectances change neither in integers nor with the transfer `vectors`, which holds for those that are baked",
+                "leave out --repaint, or take another --arithmetic or --transfer",
+            )),
+            false => Ok(()),
+        }
+    }
+
     /// Refuses what a scene's own budget cannot hold: the kernel's state in RAM
     /// and the tables in flash. Code and stack are known once a firmware is
     /// linked.
-    fn affordable(&self) -> Result<(), Failure> {
+    pub(super) fn affordable(&self) -> Result<(), Failure> {
         let (scene, tables) = (&self.scene, &self.tables);
         let limits = [
             ("ram", "RAM", scene.budget.ram, self.ram()?.0 as u64),

@@ -2,11 +2,11 @@
 
 mod search;
 
-use super::SceneArgument;
 use super::choice::RungArguments;
 use super::failure::Failure;
 use super::pipeline;
 use super::sheet::Sheet;
+use super::{RepaintArgument, SceneArgument};
 use crate::device::DEVICE_RAM;
 use crate::pilot::FLASH;
 use crate::plan::file;
@@ -53,6 +53,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     max_error: Option<f64>,
     #[command(flatten)]
+    repaint: RepaintArgument,
+    #[command(flatten)]
     rungs: RungArguments,
 }
 
@@ -91,7 +93,8 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         instructions: arguments.instructions,
         error: arguments.max_error,
     };
-    let found = search::plan(&scene, &arguments.rungs, &wishes)?;
+    let repaint = arguments.repaint.repaint;
+    let found = search::plan(&scene, &arguments.rungs, repaint, &wishes)?;
     let planned = &found.planned;
     let rungs = Rungs {
         arithmetic: Some(planned.rung.name().to_owned()),

@@ -308,6 +308,8 @@ fn keep(directory: &Path, job: &Job<'_>) -> Result<PathBuf, Error> {
         file: &tables,
         arithmetic: FormFactorRung::named(job.arithmetic).ok_or_else(|| unknown(job.arithmetic))?,
         sight: Sight::named(job.visibility).ok_or_else(|| unknown(job.visibility))?,
+        // The program paints nothing.
+        repaint: false,
         names: &Names::default(),
     });
     let source = source.ok_or_else(|| unknown("tables that are shorter than their head"))?;

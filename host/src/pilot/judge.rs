@@ -24,7 +24,7 @@ const DARK: f64 = 1e-3;
 
 /// What a surface is said to err by, as a multiple of what it errs by at the places:
 /// between them it may be more.
-const SAFE: f64 = 2.0;
+const SAFE: f64 = 2.5;
 
 /// What the judge itself is taken to miss, of reflected light.
 const MISSED: f64 = 0.01;

@@ -39,6 +39,18 @@ use std::f64::consts::PI;
 pub struct Plan {
     /// One entry for each surface of the scene, in its order.
     pub surfaces: Vec<SurfacePlan>,
+    /// Whether the device keeps reflectances of its own, so that they may change there.
+    pub repaint: bool,
+}
+
+impl From<Vec<SurfacePlan>> for Plan {
+    /// Of reflectances that stay as they are baked.
+    fn from(surfaces: Vec<SurfacePlan>) -> Self {
+        Self {
+            surfaces,
+            repaint: false,
+        }
+    }
 }
 
 /// The samples and secondary emitters of one surface.
@@ -387,7 +399,7 @@ fn outlined(
         .iter()
         .map(|s| PI * mean(s.radiance) * s.area)
         .sum();
-    let surfaces = scene
+    let surfaces: Vec<SurfacePlan> = scene
         .surfaces
         .iter()
         .zip(maps)
@@ -400,7 +412,7 @@ fn outlined(
             None => SurfacePlan::without_samples(Frame::new(surface)),
         })
         .collect();
-    Ok(Plan { surfaces })
+    Ok(Plan::from(surfaces))
 }
 
 /// The mean of the channels: what counts where one number has to.

@@ -12,7 +12,7 @@
 //!   2⁻²⁴ of that, and being random by about the root of it. [`Light::solve`]
 //!   begins anew, without any.
 
-use super::stop::onwards;
+use super::onwards;
 use super::{Light, Solved, Stop};
 use crate::Error;
 use crate::error::What;

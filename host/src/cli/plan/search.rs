@@ -115,6 +115,7 @@ impl Found {
 pub(super) fn plan(
     scene: &Scene,
     rungs: &RungArguments,
+    repaint: bool,
     wishes: &Wishes,
 ) -> Result<Found, Failure> {
     let attempt = |samples: Option<u64>| -> Result<Found, Failure> {
@@ -126,7 +127,9 @@ pub(super) fn plan(
             },
             ..scene.clone()
         };
-        Found::of(pipeline::attempt(scene, rungs, &[])?, wishes)
+        let mut planned = pipeline::attempt(scene, rungs, &[])?;
+        planned.repaint(repaint)?;
+        Found::of(planned, wishes)
     };
     let mut first = attempt(wishes.samples)?;
     if wishes.instructions.is_some() && first.operations.is_none() {

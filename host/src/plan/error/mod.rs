@@ -93,7 +93,7 @@ pub fn error_driven(
             None => SurfacePlan::without_samples(Frame::new(surface)),
         })
         .collect();
-    let plan = Plan { surfaces };
+    let plan = Plan::from(surfaces);
     let named = scene.points.iter().map(|point| point.position);
     let places: Vec<DVec3> = named.chain(places.iter().copied()).collect();
     points_do &= points_stand_for_surfaces(scene, &plan, &places);

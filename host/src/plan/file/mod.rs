@@ -78,8 +78,10 @@ pub fn parse(name: &str, source: &str, scene: &Scene) -> Result<Saved, Diagnosti
     let entries = DeTable::parse(source).map_err(|error| document.syntax_error(&error))?;
     let root = Table::root(document, entries.get_ref(), "a plan");
     check_version(&root)?;
-    let root = root.only(&["isolux-plan", "scene", "rungs", "surface", "end"])?;
+    let root = root.only(&["isolux-plan", "scene", "repaint", "rungs", "surface", "end"])?;
     let rungs = read_rungs(&root)?;
+    let repaint = root.optional("repaint");
+    let repaint = repaint.map_or(Ok(false), |field| field.truth("`repaint = true`"))?;
     let surfaces = surfaces::read(&root, scene)?;
     if root.optional("end").is_none() {
         let end = source.len().saturating_sub(1)..source.len();
@@ -91,7 +93,7 @@ pub fn parse(name: &str, source: &str, scene: &Scene) -> Result<Saved, Diagnosti
     }
     Ok(Saved {
         rungs,
-        plan: Plan { surfaces },
+        plan: Plan { surfaces, repaint },
     })
 }
 

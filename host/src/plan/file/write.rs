@@ -14,6 +14,11 @@ const HEAD: &str = "\
 # radiances and reflectances of the scene may change, its geometry may not.
 ";
 
+const REPAINT: &str = "\
+# The device keeps reflectances of its own, which may change there.
+repaint = true
+";
+
 const RUNGS: &str = "
 # What it was planned for. Flags go before these, and these before the scene's own.
 # Placement, emitters and reconstruction are what the sections below are.
@@ -65,9 +70,13 @@ const END: &str = "
 /// The same plan gives the same text.
 pub fn text(scene: &Scene, rungs: &Rungs, plan: &Plan) -> String {
     let mut text = format!(
-        "{HEAD}isolux-plan = {VERSION}\nscene = {}\n{RUNGS}[rungs]\n",
+        "{HEAD}isolux-plan = {VERSION}\nscene = {}\n",
         quoted(&scene.name)
     );
+    if plan.repaint {
+        text += REPAINT;
+    }
+    text += &format!("{RUNGS}[rungs]\n");
     let mut rungs = rungs.clone();
     for ladder in LADDERS {
         let choice = rungs.choice_mut(ladder).and_then(|choice| choice.take());

@@ -77,10 +77,6 @@ const KNOWN: [[usize; 2]; 1] = [[2, 2]];
 /// office 95 of 100 places are then within 0.5 %.
 const ERROR: f64 = 0.0225;
 
-/// Patches of the solution that plans are judged by. With 300 of them reconstructed light
-/// in the Cornell box errs by a fifth more, with 1200 by a fiftieth less.
-const FINE_PATCHES: usize = 600;
-
 /// What a misfit counts there where other surfaces adjoin: what is near a patch sees all of
 /// it, and is often the darker for it. It makes the errors above a tenth half as many.
 const FINE_BORDERS: f64 = 4.0;
@@ -152,17 +148,17 @@ pub fn draft(scene: &Scene, budget: &Budget, light: &Light<'_>) -> Result<Plan, 
     divided(scene, &division, None, Guide::All(light))
 }
 
-/// Patches that no device shoots from: many more, for a solution that tells what those of
-/// a plan miss.
+/// So many patches, more than a device shoots from, for a solution that tells what those of
+/// a plan miss; closest to each other where surfaces meet.
 ///
 /// # Errors
 /// As [`linear`].
-pub fn fine(scene: &Scene, light: &Light<'_>) -> Result<Plan, Unplannable> {
+pub fn fine(scene: &Scene, patches: usize, light: &Light<'_>) -> Result<Plan, Unplannable> {
     let reflecting = scene.surfaces.iter().filter(|s| s.reflects()).count();
-    let coarse = (FINE_PATCHES as f64 * COARSE) as usize;
+    let coarse = (patches as f64 * COARSE) as usize;
     let division = Division {
         borders: FINE_BORDERS,
-        ..Division::at_will(FINE_PATCHES, coarse, reflecting, &KNOWN)
+        ..Division::at_will(patches, coarse, reflecting, &KNOWN)
     };
     divided(scene, &division, None, Guide::All(light))
 }
@@ -209,7 +205,10 @@ fn divided(
             None => SurfacePlan::without_samples(Frame::new(surface)),
         })
         .collect();
-    let plan = Plan { surfaces };
+    let plan = Plan {
+        surfaces,
+        repaint: false,
+    };
     let needed = plan.samples() as u64;
     match allowed {
         Some(allowed) if needed > allowed => Err(Unplannable::Samples { allowed, needed }),

@@ -163,7 +163,7 @@ impl Room<'_> {
                 }
             })
             .collect();
-        let mut plan = Plan { surfaces: planned };
+        let mut plan = Plan::from(planned);
         if let Some(bytes) = bytes {
             thin(&mut plan, &splits, bytes);
         }
