@@ -27,7 +27,7 @@ const DARK: f64 = 1e-3;
 const WRONG: f64 = 0.25;
 
 /// Patches of the solution that is taken for the truth.
-const PATCHES: usize = 1000;
+const PATCHES: usize = 800;
 
 /// What became of rooms.
 #[derive(Debug, Default)]
@@ -102,6 +102,8 @@ fn judged(
     outcome: &mut Outcome,
 ) {
     let mut random = Random(seed + 1000);
+    let samples = light.irradiance().into_iter().flatten().map(f64::from);
+    let in_the_room = samples.fold(0.0, f64::max);
     for (index, surface) in scene.surfaces.iter().enumerate() {
         let planned = &plan.surfaces[index];
         if planned.fields.is_empty() {
@@ -130,7 +132,7 @@ fn judged(
             .map(|at| f64::from(at.value[0]))
             .collect();
         let brightest = truth.iter().copied().fold(0.0, f64::max);
-        if brightest <= 0.0 {
+        if brightest <= 1e-6 * in_the_room {
             continue;
         }
         let mut sum = 0.0;
