@@ -215,6 +215,13 @@ fn reflectances_follow() {
     light.solve(STOP);
     let off = apart(light.irradiance(), fresh.irradiance(), scale);
     assert!(off <= TOLERANCE, "{off:e}");
+    // Its grids are those of any other light.
+    let row = |light: &Room<'_, Linear<f32>, Looking, 64>| {
+        let mut row = [0.0; 8];
+        let resampled = light.resample_row::<HostRoot>(0, [8, 8], 3, &mut row);
+        resampled.map(|_| row).expect("a row of the first surface")
+    };
+    assert_eq!(row(&light).len(), 8);
     set(&mut light, planned);
     let back = apart(&before, light.irradiance(), scale);
     assert!(back <= TOLERANCE, "{back:e}");

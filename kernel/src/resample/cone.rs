@@ -72,7 +72,8 @@ pub fn cone<R: Root<f32>, C: Colour>(
     None
 }
 
-impl<A, const SAMPLES: usize, const EMITTERS: usize, L, V> Light<'_, A, SAMPLES, EMITTERS, L, V>
+impl<A, const SAMPLES: usize, const EMITTERS: usize, L, V, const SURFACES: usize>
+    Light<'_, A, SAMPLES, EMITTERS, L, V, SURFACES>
 where
     A: Arithmetic<f32>,
     L: Luminance,
