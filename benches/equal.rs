@@ -26,12 +26,13 @@ mod pixels;
 mod prices;
 #[path = "parts/room.rs"]
 mod room;
+#[path = "parts/written.rs"]
+mod written;
 
 use by_default::Failed;
 use grid::grid;
-use isolux_host::report::{quantity, write_file};
+use isolux_host::report::quantity;
 use prices::Prices;
-use std::path::Path;
 use std::process::ExitCode;
 
 const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/equal.md");
@@ -59,15 +60,7 @@ fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    print!("{text}");
-    if arguments.iter().any(|argument| argument == "--write") {
-        if let Err(error) = write_file(Path::new(PATH), text.as_bytes()) {
-            eprintln!("{error}");
-            return ExitCode::FAILURE;
-        }
-        eprintln!("wrote {PATH}");
-    }
-    ExitCode::SUCCESS
+    written::answer(&text, PATH)
 }
 
 fn document(prices: &Prices) -> Result<String, Failed> {

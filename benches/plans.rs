@@ -15,13 +15,14 @@ mod grid;
 mod measure;
 #[path = "plans/variants.rs"]
 mod variants;
+#[path = "parts/written.rs"]
+mod written;
 
 use by_default::Failed;
 use grid::grid;
 use isolux_host::compare::Statistics;
-use isolux_host::report::{quantity, write_file};
+use isolux_host::report::quantity;
 use measure::Row;
-use std::path::Path;
 use std::process::ExitCode;
 
 const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/plans.md");
@@ -38,15 +39,7 @@ fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    print!("{text}");
-    if arguments.iter().any(|argument| argument == "--write") {
-        if let Err(error) = write_file(Path::new(PATH), text.as_bytes()) {
-            eprintln!("{error}");
-            return ExitCode::FAILURE;
-        }
-        eprintln!("wrote {PATH}");
-    }
-    ExitCode::SUCCESS
+    written::answer(&text, PATH)
 }
 
 fn document() -> Result<String, Failed> {

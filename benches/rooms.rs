@@ -27,11 +27,12 @@ mod published;
 mod random;
 #[path = "parts/room.rs"]
 mod room;
+#[path = "parts/written.rs"]
+mod written;
 
 use grid::grid;
-use isolux_host::report::{quantity, write_file};
+use isolux_host::report::quantity;
 use measure::{Bounces, Clutter, Direct, Many};
-use std::path::Path;
 use std::process::ExitCode;
 
 const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/rooms.md");
@@ -50,15 +51,7 @@ fn main() -> ExitCode {
         return ExitCode::SUCCESS; // `cargo test` builds it, and no more
     }
     let text = clock::on_one_thread(document);
-    print!("{text}");
-    if arguments.iter().any(|argument| argument == "--write") {
-        if let Err(error) = write_file(Path::new(PATH), text.as_bytes()) {
-            eprintln!("{error}");
-            return ExitCode::FAILURE;
-        }
-        eprintln!("wrote {PATH}");
-    }
-    ExitCode::SUCCESS
+    written::answer(&text, PATH)
 }
 
 fn document() -> String {

@@ -17,12 +17,13 @@ mod measure;
 mod pixels;
 #[path = "parts/room.rs"]
 mod room;
+#[path = "parts/written.rs"]
+mod written;
 
 use grid::grid;
 use isolux_host::compare::{Errors, Statistics};
-use isolux_host::report::{quantity, write_file};
+use isolux_host::report::quantity;
 use measure::Column;
-use std::path::Path;
 use std::process::ExitCode;
 
 const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/table3.md");
@@ -102,15 +103,7 @@ fn main() -> ExitCode {
     let before = include_str!("table3/before.md").trim_end();
     let after = include_str!("table3/after.md");
     let text = format!("{before}\n\n{}\n{after}", grid(&rows(&columns)));
-    print!("{text}");
-    if arguments.iter().any(|argument| argument == "--write") {
-        if let Err(error) = write_file(Path::new(PATH), text.as_bytes()) {
-            eprintln!("{error}");
-            return ExitCode::FAILURE;
-        }
-        eprintln!("wrote {PATH}");
-    }
-    ExitCode::SUCCESS
+    written::answer(&text, PATH)
 }
 
 fn rows(columns: &[Column]) -> Vec<Vec<String>> {
