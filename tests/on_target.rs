@@ -277,6 +277,21 @@ fn the_paper_scene_gives_the_hosts_bits_on_every_core() {
     }
 }
 
+/// Rows and columns of grids where few suffice.
+const FEW: usize = 4;
+
+/// The host's bits of every sample, and of a small grid of every surface that has samples.
+fn few(solution: &solve::Solution<'_>, plan: &plan::Plan) -> Vec<u32> {
+    let mut expected = solution.irradiance_bits();
+    for (index, surface) in plan.surfaces.iter().enumerate() {
+        if !surface.samples.is_empty() {
+            let grid = solution.resample(index, FEW as u32).expect("a grid");
+            expected.extend(grid.bits);
+        }
+    }
+    expected
+}
+
 /// The paper's scene with nested emitters: members have weights of their own.
 #[test]
 fn layers_give_the_hosts_bits_on_every_core() {
@@ -389,14 +404,7 @@ fn a_room_with_codes_gives_the_hosts_bits() {
     let occlusion = Occlusion::for_receivers_within(&scene, places).expect("occluders");
     let tables = bake::bake_coded(&scene, &plan, Some(occlusion)).expect("tables");
     let solution = solve::solve(&tables, Rung::Best, Sight::Exact, STOP).expect("a solution");
-    let mut expected = solution.irradiance_bits();
-    const FEW: usize = 4;
-    for (index, surface) in plan.surfaces.iter().enumerate() {
-        if !surface.samples.is_empty() {
-            let grid = solution.resample(index, FEW as u32).expect("a grid");
-            expected.extend(grid.bits);
-        }
-    }
+    let expected = few(&solution, &plan);
     let job = Job {
         scene: &scene.name,
         tables: tables.bytes(),
@@ -467,14 +475,7 @@ fn a_room_in_integers_gives_the_hosts_bits_on_every_core() {
     let tables = tables.expect("tables");
     let rung = FormFactorRung::Q29;
     let solution = solve::solve(&tables, rung, Sight::Exact, STOP).expect("a solution");
-    let mut expected = solution.irradiance_bits();
-    const FEW: usize = 4;
-    for (index, surface) in plan.surfaces.iter().enumerate() {
-        if !surface.samples.is_empty() {
-            let grid = solution.resample(index, FEW as u32).expect("a grid");
-            expected.extend(grid.bits);
-        }
-    }
+    let expected = few(&solution, &plan);
     let job = Job {
         scene: &scene.name,
         tables: tables.bytes(),

@@ -221,7 +221,7 @@ fn reflectances_follow() {
         let resampled = light.resample_row::<HostRoot>(0, [8, 8], 3, &mut row);
         resampled.map(|_| row).expect("a row of the first surface")
     };
-    assert_eq!(row(&light).len(), 8);
+    assert!(row(&light).iter().all(|&value| value > 0.0));
     set(&mut light, planned);
     let back = apart(&before, light.irradiance(), scale);
     assert!(back <= TOLERANCE, "{back:e}");

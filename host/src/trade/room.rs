@@ -267,16 +267,11 @@ pub fn csv(name: &str, rows: &[InRoom]) -> String {
             emitters,
             transfer,
         } = row.choice;
-        let (relative, full_scale) = (&row.error.relative, &row.error.full_scale);
         let mut cells = [name, visibility, emitters, transfer]
             .map(str::to_owned)
             .to_vec();
         cells.extend([row.samples, row.shooters, row.shots].map(|count| count.to_string()));
-        let [_, _, over_5, _, over_15] = relative.over;
-        let of_scale = [full_scale.max, full_scale.p95, full_scale.rms];
-        let errors = [relative.max, relative.p95, relative.rms, over_5, over_15];
-        let errors = errors.into_iter().chain(of_scale);
-        cells.extend(errors.map(|error| format!("{error:.3e}")));
+        cells.extend(error_cells(&row.error));
         cells.push(
             row.m4f_instructions
                 .map_or_else(String::new, |n| n.to_string()),
@@ -287,6 +282,17 @@ pub fn csv(name: &str, rows: &[InRoom]) -> String {
         text.push('\n');
     }
     text
+}
+
+/// The cells of errors: max, p95, rms and the parts above 5 and 15 % of relative ones, then
+/// the first three of full scale.
+pub(super) fn error_cells(errors: &Errors) -> impl Iterator<Item = String> {
+    let (relative, full_scale) = (&errors.relative, &errors.full_scale);
+    let [_, _, over_5, _, over_15] = relative.over;
+    let of_scale = [full_scale.max, full_scale.p95, full_scale.rms];
+    let errors = [relative.max, relative.p95, relative.rms, over_5, over_15];
+    let errors = errors.into_iter().chain(of_scale);
+    errors.map(|error| format!("{error:.3e}"))
 }
 
 /// The combinations for a person; a star marks the front.

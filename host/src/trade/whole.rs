@@ -6,6 +6,7 @@
 //! knows no costs those that the emulator counts.
 
 use super::front;
+use super::room::error_cells;
 use super::table::{finished, plain};
 use crate::compare::Errors;
 use crate::report::quantity;
@@ -128,12 +129,7 @@ pub fn csv(name: &str, rows: &[Row]) -> String {
         cells.push(row.asked.to_string());
         cells.push(row.samples.to_string());
         cells.push(row.shooters.to_string());
-        let (relative, full_scale) = (&row.error.relative, &row.error.full_scale);
-        let [_, _, over_5, _, over_15] = relative.over;
-        let of_scale = [full_scale.max, full_scale.p95, full_scale.rms];
-        let errors = [relative.max, relative.p95, relative.rms, over_5, over_15];
-        let errors = errors.into_iter().chain(of_scale);
-        cells.extend(errors.map(|error| format!("{error:.3e}")));
+        cells.extend(error_cells(&row.error));
         let count = |count: Option<u64>| count.map_or_else(String::new, |n| n.to_string());
         cells.push(count(row.instructions));
         cells.push(row.counted.to_string());
