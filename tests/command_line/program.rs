@@ -16,7 +16,8 @@ pub(crate) struct Ran {
 
 /// The program, built in the profile of this test: cargo builds the binary of
 /// another package for nobody's tests, and an old one would pass or fail for
-/// the wrong reasons.
+/// the wrong reasons. This test is named beside it, though built already: cargo then
+/// chooses the features of every crate as it did for the test, and compiles none twice.
 pub(crate) fn path() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
     PROGRAM.get_or_init(|| {
@@ -27,7 +28,7 @@ pub(crate) fn path() -> &'static Path {
         let profile = if profile == "debug" { "dev" } else { profile };
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let built = Command::new(cargo)
-            .args(["build", "--package", "isolux-host", "--bin", "isolux"])
+            .args(["build", "--bin", "isolux", "--test", env!("CARGO_CRATE_NAME")])
             .args(["--profile", profile, "--message-format", "json"])
             .current_dir(env!("CARGO_MANIFEST_DIR"))
             .stderr(Stdio::inherit())
@@ -38,6 +39,7 @@ pub(crate) fn path() -> &'static Path {
             .expect("cargo writes UTF-8")
             .lines()
             .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
+            .filter(|message| message["target"]["kind"][0] == "bin")
             .find_map(|message| message["executable"].as_str().map(PathBuf::from))
             .expect("cargo names the program")
     })
