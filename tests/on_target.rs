@@ -117,6 +117,7 @@ fn tables() -> Vec<u8> {
         counts,
         sight: records::Sight::default(),
         tolerance: 5e-6,
+        ahead: 0.0,
     };
     let sections = [
         surfaces.as_bytes(),

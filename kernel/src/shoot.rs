@@ -20,7 +20,8 @@
 //! compared, and the end is told, by magnitudes.
 //!
 //! Two orders are offered: [`Light::shoot`] takes the emitter with the most
-//! unshot power (progressive shooting), [`Light::reflect`] lets all emitters
+//! unshot power (progressive shooting; [`Light::solve`] lets it shoot ahead of
+//! light that is still to come, where that pays), [`Light::reflect`] lets all emitters
 //! shoot what arrived in the last generation (a Neumann sum, so that "light
 //! reflected at most N times" is exact).
 
@@ -264,14 +265,41 @@ where
     /// Lets the emitter with the largest unshot power shoot. Returns its index,
     /// or `None` where nothing is left.
     pub fn shoot(&mut self) -> Option<usize> {
-        let index = self.left().brightest?;
+        let index = self.left(L::Colour::DARK).brightest?;
         self.settle(index);
         self.send(index);
         Some(index)
     }
 
+    /// Lets the emitter with the largest unshot power shoot, if all unshot power is
+    /// above this fraction of the emitted power. It counts as unshot, and is sent, what
+    /// it is to reflect of the irradiance `ahead` as well, which becomes what was found
+    /// by this look.
+    fn shoot_above(&mut self, fraction: f32, ahead: &mut L::Colour) -> bool {
+        // One look over the emitters for all: with codes it costs as much as a
+        // shot.
+        let left = self.left(*ahead);
+        let Some(index) = left.brightest.filter(|_| left.fraction > fraction) else {
+            return false;
+        };
+        self.settle(index);
+        if L::AHEAD {
+            self.expect(index, *ahead);
+            *ahead = left.ahead;
+        }
+        self.send(index)
+    }
+
     /// Darkens the scene and lights it until `stop`, with the radiances and
     /// reflectances that it has now.
+    ///
+    /// In a room that holds its light together ([`Header::ahead`]) an emitter whose
+    /// radiosity is linear in place sends a part of what it is to reflect of all light
+    /// on its way as well, were that spread evenly (overshooting; Feda and Purgathofer
+    /// 1992); what was too much it takes back. The shipped rooms take half as many
+    /// shots by it, and end as close.
+    ///
+    /// [`Header::ahead`]: crate::scene::records::Header::ahead
     ///
     /// Cost: one form factor per shot and sample; at most as many shots as
     /// `stop` allows, `EMITTERS` for each reflection.
@@ -355,7 +383,7 @@ where
             return false;
         };
         let radiosity = difference(state.due, state.shot);
-        if L::strength(radiosity.mean()) <= 0.0 {
+        if radiosity.strength() <= 0.0 {
             return false;
         }
         state.shot = state.shot.zip(radiosity, Colour::plus);
@@ -399,6 +427,9 @@ where
     L: Luminance,
     V: Transfer,
 {
+    type Ahead = L::Colour;
+    const NOTHING: L::Colour = L::Colour::DARK;
+
     fn direct(&mut self) -> u32 {
         Light::direct(self)
     }
@@ -411,21 +442,20 @@ where
         Light::shoot(self).is_some()
     }
 
-    fn shoot_above(&mut self, fraction: f32) -> bool {
-        // One look over the emitters for both: with codes it costs as much as a
-        // shot.
-        let left = self.left();
-        let Some(index) = left.brightest.filter(|_| left.fraction > fraction) else {
-            return false;
-        };
-        self.settle(index);
-        self.send(index)
+    fn shoot_some(&mut self, fraction: f32, most: u32, ahead: &mut L::Colour) -> u32 {
+        match (V::sweeps(self.tables()), most) {
+            (_, 0) => 0,
+            (true, _) => self.sweep(fraction, most),
+            (false, _) => u32::from(self.shoot_above(fraction, ahead)),
+        }
     }
 
-    fn shoot_some(&mut self, fraction: f32, most: u32) -> u32 {
-        match V::sweeps(self.tables()) {
-            true => self.sweep(fraction, most),
-            false => u32::from(self.shoot_above(fraction)),
+    /// Two for each emitter: a room is lit to 0.1 % by then.
+    fn most_ahead(&self) -> u32 {
+        if L::AHEAD && self.tables().ahead() > 0.0 {
+            (self.emitters.len() as u32).saturating_mul(2)
+        } else {
+            0
         }
     }
 }

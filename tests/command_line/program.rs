@@ -28,7 +28,13 @@ pub(crate) fn path() -> &'static Path {
         let profile = if profile == "debug" { "dev" } else { profile };
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let built = Command::new(cargo)
-            .args(["build", "--bin", "isolux", "--test", env!("CARGO_CRATE_NAME")])
+            .args([
+                "build",
+                "--bin",
+                "isolux",
+                "--test",
+                env!("CARGO_CRATE_NAME"),
+            ])
             .args(["--profile", profile, "--message-format", "json"])
             .current_dir(env!("CARGO_MANIFEST_DIR"))
             .stderr(Stdio::inherit())

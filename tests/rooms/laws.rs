@@ -1,18 +1,22 @@
 //! Laws of rooms.
 
 use crate::fixtures::{file_scene, scene, surface};
-use crate::{Place, baked, single};
+use crate::{Place, baked, followed, single};
 use glam::DVec3;
 use isolux::Error;
 use isolux::error::What;
 use isolux::form_factor::Best;
 use isolux::luminance::{Constant, Linear, Rgb};
 use isolux::scene::Scene as Loaded;
+use isolux::scene::records::Header;
 use isolux::shoot::{Light, Stop};
 use isolux::visibility::{Exact, Unoccluded, VertexRays};
-use isolux_host::scene::Scene;
+use isolux_host::bake;
+use isolux_host::occlusion::Occlusion;
 use isolux_host::scene::frame::Frame;
+use isolux_host::scene::{Scene, file, shipped};
 use isolux_host::solve::{self, Rung, Sight};
+use zerocopy::FromBytes;
 
 /// A closed box whose ceiling emits, of these reflectances.
 fn room(reflectance: f64) -> Scene {
@@ -54,6 +58,54 @@ fn a_closed_room_keeps_its_energy() {
         let emitted = std::f64::consts::PI * scene.surfaces[1].area;
         let off = absorbed / emitted - 1.0;
         assert!(off.abs() < 5e-3, "reflectance {reflectance}: {off:+e}");
+    }
+}
+
+/// Shooting ahead of the light takes half the shots (358 and 400 without), leaves as
+/// little, and takes back what was too much: the light is the same in the end.
+#[test]
+fn shooting_ahead_takes_half_the_shots_and_ends_at_the_same_light() {
+    for (name, source, most) in [
+        ("cornell", shipped::CORNELL, 200),
+        ("office", shipped::OFFICE, 215),
+    ] {
+        let scene = file::parse(name, source).expect("a shipped scene");
+        let occlusion = Occlusion::of(&scene).expect("few vertices");
+        let tables = bake::bake(&scene, &followed(&scene), Some(occlusion)).expect("tables");
+        let until = |fraction| {
+            let stop = Stop::Below {
+                fraction,
+                shots: 10_000,
+            };
+            solve::solve(&tables, Rung::Best, Sight::Exact, stop).expect("a solution")
+        };
+        let (quick, all) = (until(1e-3), until(1e-6));
+        assert!(quick.solved.shots <= most, "{name}: {:?}", quick.solved);
+        assert!(all.solved.unshot <= 1e-6, "{name}: {:?}", all.solved);
+        let (mut squares, mut off) = (0.0, 0.0);
+        for ([quick, ..], [all, ..]) in quick.irradiance().into_iter().zip(all.irradiance()) {
+            squares += f64::from(all).powi(2);
+            off += f64::from(quick - all).powi(2);
+        }
+        let off = (off / squares).sqrt();
+        assert!(off <= 1e-3, "{name}: {off:e}");
+    }
+}
+
+/// Where most light leaves the scene nothing is sent ahead: it would all have to be taken
+/// back.
+#[test]
+fn nothing_is_shot_ahead_in_the_open() {
+    for (name, source, is_room) in [
+        ("paper", shipped::PAPER, false),
+        ("penumbra", shipped::PENUMBRA, false),
+        ("cornell", shipped::CORNELL, true),
+        ("office", shipped::OFFICE, true),
+    ] {
+        let scene = file::parse(name, source).expect("a shipped scene");
+        let tables = baked(&scene);
+        let header: &Header = Header::ref_from_prefix(tables.bytes()).expect("tables").0;
+        assert_eq!(header.ahead > 0.0, is_room, "{name}");
     }
 }
 

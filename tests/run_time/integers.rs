@@ -97,6 +97,16 @@ fn follows<F: Format, T: Transfer>(
     assert!(back <= TOLERANCE, "{back:e} from what it was, {times:?}");
 }
 
+/// Where light is steep on a patch that reflects little of it, words hold what it receives
+/// as well as what it reflects.
+#[test]
+fn steep_light_is_not_cut_off() {
+    let times = [0.01, 1.9914915331223468, 0.01, 1.8135591933403035];
+    for at_once in [false, true] {
+        follows::<Q29, Matrix<8>>(scenes::office(), matrix, &times, at_once);
+    }
+}
+
 /// Up to twice as bright, which tables have room for.
 fn any_dimming(luminaires: usize) -> impl Strategy<Value = (Vec<f64>, bool)> {
     (prop::collection::vec(0.01..2.0, luminaires), any::<bool>())

@@ -1,6 +1,7 @@
 //! Tables with codes against the same scene computed past its occluders.
 
-use crate::{Words, put, seal};
+use crate::bytes::{Words, seal};
+use crate::put;
 use isolux::Error;
 use isolux::error::What;
 use isolux::form_factor::Best;

@@ -4,34 +4,27 @@
 //! come.
 //!
 //! 100 000 tables over all kinds by default; `ISOLUX_CASES=10000000 cargo test
-//! --release --test tables fuzz` for more, `ISOLUX_SEED` for others.
+//! --release --test tables fuzz` for more, `ISOLUX_SEED` for others. `tests/fuzz/run`
+//! looks for tables that reach what none has reached.
 
+use crate::bytes::{Words, lengthened, seal};
+use crate::lit::{Sights, lit, looked};
 use crate::mutation::{Dice, mutated, setting};
-use crate::{Words, seal};
-use isolux::form_factor::Best;
-use isolux::geometry::Receiver;
-use isolux::luminance::{Colour, Constant, Increment, Linear, Luminance, Rgb};
+use isolux::luminance::{Constant, Increment, Linear, Rgb};
 use isolux::number::SoftRoot;
-use isolux::resample::{Reconstruction, Stencils, Tensors};
+use isolux::resample::{Stencils, Tensors};
 use isolux::scene::Scene;
-use isolux::scene::records::Header;
-use isolux::shoot::{Light, Stop};
-use isolux::transfer::{Codes, Transfer};
-use isolux::visibility::{Exact, Unoccluded, VertexRays, Visibility};
-use isolux_host::bake::{self, Tables};
+use isolux::transfer::{Codes, Matrix, Vectors};
+use isolux::visibility::{Unoccluded, VertexRays};
+use isolux_host::bake::{self, Tables, TooLarge};
 use isolux_host::occlusion::Occlusion;
+use isolux_host::pilot;
+use isolux_host::plan::{self, Plan};
 use isolux_host::reference::{Reference, Reflections};
-use isolux_host::scene::{file, shipped};
+use isolux_host::scene::{Scene as SceneFile, file, shipped};
 use isolux_host::solve::Sight;
-use isolux_host::{pilot, plan};
 use rayon::prelude::*;
-use std::mem::size_of;
-
-/// What a firmware of such a table would be.
-type Lit<'t, L, V> = Light<'t, Best, 80, 64, L, V>;
-
-/// The most values that a firmware has room to reconstruct in.
-const ROOM: usize = 2000;
+use std::path::Path;
 
 /// A kind of table, and what is done with one that loads.
 struct Kind {
@@ -41,7 +34,7 @@ struct Kind {
 }
 
 /// A shipped scene with few samples, smaller than it ships.
-fn scene(name: &str, samples: u64, colour: bool) -> isolux_host::scene::Scene {
+fn scene(name: &str, samples: u64, colour: bool) -> SceneFile {
     let (name, source) = { shipped::ALL.iter() }
         .find(|(file, _)| *file == name)
         .expect("shipped");
@@ -56,8 +49,11 @@ fn scene(name: &str, samples: u64, colour: bool) -> isolux_host::scene::Scene {
     scene
 }
 
+/// How tables are baked from a plan that is sound.
+type Baking = fn(&SceneFile, &Plan, Option<Occlusion>) -> Result<Tables, TooLarge>;
+
 /// The shadow of a board, by its own way: tensor grids times meshes.
-fn shaded(colour: bool, coded: bool) -> Tables {
+fn shaded(colour: bool, baking: Baking) -> Tables {
     let scene = scene("penumbra.toml", 30, colour);
     let light = Reference::new(&scene, Reflections::AtMost(0), &mut |_| {}).expect("a reference");
     let field = |places: &[_]| light.irradiance_at(places);
@@ -72,11 +68,7 @@ fn shaded(colour: bool, coded: bool) -> Tables {
         &field,
     )
     .expect("a plan");
-    match coded {
-        false => bake::bake(&scene, &plan, Some(occlusion)),
-        true => bake::bake_coded(&scene, &plan, Some(occlusion)),
-    }
-    .expect("tables")
+    baking(&scene, &plan, Some(occlusion)).expect("tables")
 }
 
 /// The paper's scene: tensor grids with points, or nested outlines.
@@ -93,75 +85,14 @@ fn open(layers: bool) -> Tables {
     bake::bake(&scene, &plan, None).expect("tables")
 }
 
-fn is_number<C: Colour>(value: C, case: u64, of: &str) {
-    value.map(|x| {
-        assert!(!x.is_nan(), "case {case}: {of} {x}");
-        x
-    });
+/// Terms whose factors have 6 bits.
+fn matrix(
+    scene: &SceneFile,
+    plan: &Plan,
+    occlusion: Option<Occlusion>,
+) -> Result<Tables, TooLarge> {
+    bake::bake_matrix(scene, plan, occlusion, 6)
 }
-
-/// Places to ask for light at.
-const PLACES: [([f32; 3], [f32; 3]); 3] = [
-    ([0.1, 0.2, 0.0], [0.0, 0.0, 1.0]),
-    ([1.0, -1.0, 1.0], [1.0, 1.0, 1.0]),
-    ([1e8, -1e8, 1e-8], [-1.0, 1.0, 0.0]),
-];
-
-/// Lights a scene and asks for everything; whether the type held it.
-fn lit<L: Luminance, V: Transfer + Default, Q: Reconstruction>(
-    scene: Scene<'_>,
-    case: u64,
-    ask: impl FnOnce(&Lit<'_, L, V>),
-) -> bool {
-    let Ok(light) = Lit::<L, V>::new(scene) else {
-        return false;
-    };
-    let mut light = Box::new(light);
-    let stops = [Stop::Shots(3), Stop::Reflections(1), Stop::Shots(6)];
-    let solved = light.solve(stops[case as usize % stops.len()]);
-    is_number(solved.unshot, case, "unshot");
-    assert!(solved.shots <= 80, "case {case}: {} shots", solved.shots);
-    for &value in light.irradiance() {
-        is_number(value, case, "irradiance");
-    }
-    let mut row = [L::Colour::DARK; 4];
-    let mut room = vec![L::Colour::DARK; ROOM];
-    for (index, surface) in scene.surfaces().iter().enumerate() {
-        if scene.fields().room(surface) <= ROOM
-            && let Ok(reconstructed) = light.reconstruct::<Q>(index, &mut room)
-        {
-            for v in 0..4 {
-                reconstructed.row([4, 4], v, &mut row).expect("a row");
-                row.iter()
-                    .for_each(|&value| is_number(value, case, "reconstructed"));
-            }
-        }
-        light
-            .resample_row::<SoftRoot>(index, [4, 4], 1, &mut row)
-            .expect("a surface, a row and room");
-        row.iter()
-            .for_each(|&value| is_number(value, case, "filtered"));
-    }
-    ask(&light);
-    true
-}
-
-/// As [`lit`], and asks for the light at places nobody planned for.
-fn looked<L: Luminance, V: Visibility + Default, Q: Reconstruction>(
-    scene: Scene<'_>,
-    case: u64,
-) -> bool {
-    lit::<L, V, Q>(scene, case, |light| {
-        for (p, n) in PLACES {
-            let receiver = Receiver::new::<SoftRoot>(p, n).expect("a receiver");
-            let bracket = light.at_with(&receiver, &mut V::default());
-            is_number(bracket.low, case, "low");
-            is_number(bracket.high, case, "high");
-        }
-    })
-}
-
-type Sights = Exact<8, 6, 24, 6>;
 
 fn kinds() -> Vec<Kind> {
     let kind = |name, tables: Tables, uses| Kind {
@@ -169,7 +100,7 @@ fn kinds() -> Vec<Kind> {
         sound: tables.bytes().to_vec(),
         uses,
     };
-    let shadows = shaded(false, false);
+    let shadows = shaded(false, bake::bake);
     vec![
         kind("points", open(false), |scene, case| {
             looked::<Constant<f32>, Unoccluded, Tensors<SoftRoot>>(scene, case)
@@ -183,12 +114,20 @@ fn kinds() -> Vec<Kind> {
         kind("shadows", shadows, |scene, case| {
             looked::<Linear<f32>, Sights, Stencils<SoftRoot>>(scene, case)
         }),
-        kind("colour", shaded(true, false), |scene, case| {
+        kind("colour", shaded(true, bake::bake), |scene, case| {
             looked::<Linear<Rgb>, Sights, Stencils<SoftRoot>>(scene, case)
         }),
-        kind("codes", shaded(false, true), |scene, case| {
+        kind("codes", shaded(false, bake::bake_coded), |scene, case| {
             lit::<Linear<f32>, Codes, Stencils<SoftRoot>>(scene, case, |_| ())
         }),
+        kind("matrix", shaded(false, matrix), |scene, case| {
+            lit::<Linear<f32>, Matrix<6>, Stencils<SoftRoot>>(scene, case, |_| ())
+        }),
+        kind(
+            "vectors",
+            shaded(true, bake::bake_vectors),
+            |scene, case| lit::<Constant<Rgb>, Vectors, Stencils<SoftRoot>>(scene, case, |_| ()),
+        ),
     ]
 }
 
@@ -198,9 +137,8 @@ fn tried(kind: &Kind, seed: u64, case: u64) -> (bool, bool) {
     let mut bytes = mutated(&kind.sound, &mut dice);
     // One in eight keeps its old checksum.
     if dice.below(8) > 0 {
-        if dice.below(2) == 0 && bytes.len() >= size_of::<Header>() {
-            let length = (bytes.len() as u32).to_le_bytes();
-            bytes[12..16].copy_from_slice(&length);
+        if dice.below(2) == 0 {
+            lengthened(&mut bytes);
         }
         seal(&mut bytes);
     }
@@ -211,9 +149,20 @@ fn tried(kind: &Kind, seed: u64, case: u64) -> (bool, bool) {
     }
 }
 
+/// Writes sound tables of every kind for `tests/fuzz` to begin with.
+fn write_to(corpus: &Path, kinds: &[Kind]) {
+    std::fs::create_dir_all(corpus).expect("a directory");
+    for kind in kinds {
+        std::fs::write(corpus.join(kind.name), &kind.sound).expect("a file");
+    }
+}
+
 #[test]
 fn fuzz_tables_of_every_kind() {
     let kinds = kinds();
+    if let Some(corpus) = std::env::var_os("ISOLUX_CORPUS") {
+        write_to(Path::new(&corpus), &kinds);
+    }
     for (kind, place) in kinds.iter().zip(1..) {
         let words = Words::new(&kind.sound);
         let scene = Scene::load(words.bytes(kind.sound.len())).expect(kind.name);

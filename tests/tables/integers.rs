@@ -2,9 +2,10 @@
 //! powers of two change nothing but exponents, and tables that somebody changed
 //! are refused or lit.
 
+use crate::bytes::{Words, lengthened, seal};
 use crate::energy::{patched, room};
 use crate::mutation::{Dice, mutated};
-use crate::{Words, paper, seal};
+use crate::paper;
 use isolux::Error;
 use isolux::error::What;
 use isolux::integers::{Computed, Format, Light, Matrix, Q24, Q29, Scene, Transfer};
@@ -242,9 +243,8 @@ fn mutated_are_refused_or_lit<T: Transfer>(
     for case in 0..cases {
         let mut dice = Dice::new(11, case);
         let mut bytes = mutated(sound.bytes(), &mut dice);
-        if dice.below(2) == 0 && bytes.len() >= 16 {
-            let length = (bytes.len() as u32).to_le_bytes();
-            bytes[12..16].copy_from_slice(&length);
+        if dice.below(2) == 0 {
+            lengthened(&mut bytes);
         }
         seal(&mut bytes);
         let words = Words::new(&bytes);

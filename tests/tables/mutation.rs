@@ -4,16 +4,15 @@
 //! 100 000 tables by default; `ISOLUX_CASES=1000000 cargo test --release --test
 //! tables mutated` for more, `ISOLUX_SEED` for others.
 
+use crate::bytes::{Words, lengthened, seal};
 use crate::energy::{patched, room};
-use crate::{Words, paper, seal};
+use crate::paper;
 use isolux::form_factor::{Arithmetic, Best, Libm};
 use isolux::geometry::Receiver;
 use isolux::number::SoftRoot;
 use isolux::scene::Scene;
-use isolux::scene::records::Header;
 use isolux::shoot::{Light, Stop};
 use isolux_host::bake;
-use std::mem::size_of;
 
 /// Marsaglia's xorshift, so that a case is its number alone.
 pub(crate) struct Dice(u64);
@@ -162,9 +161,8 @@ fn mutated_tables_are_refused_or_give_numbers() {
         let mut bytes = mutated(sound, &mut dice);
         // One in eight keeps its old checksum.
         if dice.below(8) > 0 {
-            if dice.below(2) == 0 && bytes.len() >= size_of::<Header>() {
-                let length = (bytes.len() as u32).to_le_bytes();
-                bytes[12..16].copy_from_slice(&length);
+            if dice.below(2) == 0 {
+                lengthened(&mut bytes);
             }
             seal(&mut bytes);
         }

@@ -1,6 +1,7 @@
 //! Every refusal, by name, with what was needed and what there was.
 
-use crate::{Words, paper, planned, put, seal};
+use crate::bytes::{Words, seal};
+use crate::{paper, planned, put};
 use isolux::Error;
 use isolux::error::What;
 use isolux::form_factor::Best;

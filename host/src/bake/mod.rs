@@ -4,6 +4,7 @@
 //! gives the same bytes. Beside them goes a Rust [`source`] with the types and
 //! constants that a firmware needs.
 
+mod ahead;
 mod codes;
 mod content;
 mod fields;

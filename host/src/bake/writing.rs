@@ -73,6 +73,7 @@ impl Content {
             counts,
             sight: Sight::default(),
             tolerance: (TOLERANCE * largest_coordinate(scene)) as f32,
+            ahead: self.ahead(scene) as f32,
         };
         let mut bytes = header.as_bytes().to_vec();
         bytes.extend_from_slice(self.surfaces.as_bytes());

@@ -244,7 +244,7 @@ impl<'t, F: Format, const SAMPLES: usize, const EMITTERS: usize, T: Transfer>
             return false;
         };
         let radiosity = state.due.zip(state.shot, i32::saturating_sub);
-        if radiosity.mean() == 0 {
+        if radiosity.strength() == 0 {
             return false;
         }
         state.shot = state.shot.zip(radiosity, i32::saturating_add);
@@ -311,6 +311,9 @@ impl<F: Format, const SAMPLES: usize, const EMITTERS: usize>
 impl<F: Format, const SAMPLES: usize, const EMITTERS: usize, T: Transfer> Shooting
     for Light<'_, F, SAMPLES, EMITTERS, T>
 {
+    type Ahead = ();
+    const NOTHING: () = ();
+
     fn direct(&mut self) -> u32 {
         Light::direct(self)
     }
@@ -323,11 +326,7 @@ impl<F: Format, const SAMPLES: usize, const EMITTERS: usize, T: Transfer> Shooti
         Light::shoot(self).is_some()
     }
 
-    fn shoot_above(&mut self, fraction: f32) -> bool {
-        self.shoot_if_above(fraction)
-    }
-
-    fn shoot_some(&mut self, fraction: f32, most: u32) -> u32 {
+    fn shoot_some(&mut self, fraction: f32, most: u32, _: &mut ()) -> u32 {
         match (T::SWEEPS, most) {
             (_, 0) => 0,
             (true, _) => self.sweep(fraction, most),

@@ -15,6 +15,11 @@ pub trait Radiosity: Copy + Send + Sync {
     /// The mean.
     fn mean(&self) -> i32;
 
+    /// What emitters are compared by, about the mean of its magnitude over the emitter:
+    /// the mean's, or a third of the gradient's where that is more, as
+    /// [`Luminance::strength`](crate::luminance::Luminance::strength) has it.
+    fn strength(&self) -> u32;
+
     /// Coefficient by coefficient.
     #[must_use]
     fn zip(self, other: Self, with: impl Fn(i32, i32) -> i32) -> Self;
@@ -32,6 +37,14 @@ impl<const N: usize> Radiosity for [i32; N] {
     #[inline(always)]
     fn mean(&self) -> i32 {
         self.first().copied().unwrap_or(0)
+    }
+
+    #[inline(always)]
+    fn strength(&self) -> u32 {
+        let steep = self.iter().skip(1).fold(0, |sum: u32, along| {
+            sum.saturating_add(along.unsigned_abs())
+        });
+        self.mean().unsigned_abs().max(steep / 3)
     }
 
     #[inline(always)]

@@ -62,7 +62,7 @@ impl<F: Format, const SAMPLES: usize, const EMITTERS: usize, T: Transfer>
         let mut most = 0;
         for (index, emitter) in self.tables().emitters().iter().enumerate() {
             let radiosity = self.unshot(index, emitter);
-            let power = self.power(index, emitter, radiosity.unsigned_abs());
+            let power = self.power(index, emitter, radiosity.strength());
             if power > most {
                 (left.brightest, most) = (Some(index), power);
             }
@@ -105,8 +105,8 @@ impl<F: Format, const SAMPLES: usize, const EMITTERS: usize, T: Transfer>
             ) else {
                 break;
             };
-            let pending = state.due.mean().saturating_sub(state.shot.mean());
-            if self.power(index, emitter, pending.unsigned_abs()) >> FEWER > least {
+            let pending = state.due.zip(state.shot, i32::saturating_sub);
+            if self.power(index, emitter, pending.strength()) >> FEWER > least {
                 shots = shots.saturating_add(u32::from(self.send(index)));
             }
         }
@@ -123,23 +123,26 @@ impl<F: Format, const SAMPLES: usize, const EMITTERS: usize, T: Transfer>
         if scene.is_luminaire(index) {
             return;
         }
-        let due = T::Radiosity::of(|k| self.reflected(&scene, emitter, k));
+        let due = self.all_reflected(emitter);
         if let Some(state) = self.emitters.get_mut(index) {
             state.due = due;
         }
     }
 
-    /// The mean radiosity of an emitter that it has not yet shot, below 0 where it has
-    /// shot too much.
-    fn unshot(&self, index: usize, emitter: &Emitter) -> i32 {
+    /// What an emitter has not yet shot, below 0 where it has shot too much.
+    fn unshot(&self, index: usize, emitter: &Emitter) -> T::Radiosity {
         let Some(state) = self.emitters.get(index) else {
-            return 0;
+            return T::Radiosity::DARK;
         };
         let all = match self.tables().is_luminaire(index) {
-            true => state.due.mean(),
-            false => self.reflected(self.tables(), emitter, 0),
+            true => state.due,
+            false => self.all_reflected(emitter),
         };
-        all.saturating_sub(state.shot.mean())
+        all.zip(state.shot, i32::saturating_sub)
+    }
+
+    fn all_reflected(&self, emitter: &Emitter) -> T::Radiosity {
+        T::Radiosity::of(|k| self.reflected(self.tables(), emitter, k))
     }
 
     /// A radiosity of an emitter times its area, in units of exitance and area.

@@ -131,6 +131,11 @@ impl Colour for Rgb {
     }
 }
 
+#[inline(always)]
+fn magnitude(value: f32) -> f32 {
+    if value < 0.0 { -value } else { value }
+}
+
 /// Radiosity in W m⁻² over an emitter.
 pub trait Luminance: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// Its channels.
@@ -143,17 +148,21 @@ pub trait Luminance: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// No light.
     const DARK: Self;
 
+    /// Whether an emitter may shoot ahead of light that is still to come: not by
+    /// itself where radiosities are sums of bands or layers.
+    const AHEAD: bool = false;
+
     /// The same radiosity all over.
     fn uniform(colour: Self::Colour) -> Self;
 
     /// The mean radiosity.
     fn mean(self) -> Self::Colour;
 
-    /// What emitters with this mean are compared by: the sum of the channels'
-    /// magnitudes, since light that is to be taken away is left as well.
+    /// What emitters are compared by, about the mean of |B| over the emitter: the sum of
+    /// the channels' magnitudes, since light that is to be taken away is left as well.
     #[inline(always)]
-    fn strength(mean: Self::Colour) -> f32 {
-        mean.map(|x| if x < 0.0 { -x } else { x }).total()
+    fn strength(self) -> f32 {
+        self.mean().map(magnitude).total()
     }
 
     /// A function of two, coefficient by coefficient.
@@ -286,6 +295,7 @@ impl<C: Colour> Luminance for Linear<C> {
     type Colour = C;
     const COEFFICIENTS: usize = 3;
     const WEIGHTED: bool = true;
+    const AHEAD: bool = true;
     const DARK: Self = Self {
         mean: C::DARK,
         gradient: [C::DARK; 2],
@@ -302,6 +312,17 @@ impl<C: Colour> Luminance for Linear<C> {
     #[inline(always)]
     fn mean(self) -> C {
         self.mean
+    }
+
+    /// The mean's magnitude, or a third of the gradient's where that is more: what is
+    /// positive here and negative there is light as well, though its mean is none. (Over
+    /// a square the mean of |a| is 0.35.)
+    #[inline(always)]
+    fn strength(self) -> f32 {
+        let [a, b] = self.gradient;
+        let steep = a.zip(b, |a, b| (magnitude(a) + magnitude(b)) / 3.0);
+        let mean = self.mean.map(magnitude);
+        mean.zip(steep, |m, s| if s > m { s } else { m }).total()
     }
 
     #[inline(always)]

@@ -62,7 +62,12 @@ pub(crate) fn header<'t, H: FromBytes + Immutable + KnownLayout>(
 
 /// Every record: its numbers finite and in their domain, its ranges inside.
 pub(super) fn records(scene: &Scene<'_>) -> Result<(), Error> {
-    numbers(What::Header, 0, non_negative(scene.header.tolerance))?;
+    let (tolerance, ahead) = (scene.header.tolerance, scene.header.ahead);
+    numbers(
+        What::Header,
+        0,
+        non_negative(tolerance) && (0.0..1.0).contains(&ahead),
+    )?;
     ranges(What::Header, 0, counts_agree(&scene.header.counts))?;
     // Where nothing occludes no workspace is needed.
     let sight = scene.header.sight == Sight::default();

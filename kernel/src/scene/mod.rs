@@ -5,11 +5,11 @@
 //! length; after that nothing can fail. The records are in [`records`]; the
 //! whole format:
 //!
-//! # Format, version 5
+//! # Format, version 6
 //!
 //! Little-endian, 4-byte aligned, no padding but where said. Every record has its
 //! fields in the order in which its type declares them, without gaps; their units are
-//! with them. A header ([`records::Header`]) of 164 bytes comes first:
+//! with them. A header ([`records::Header`]) of 168 bytes comes first:
 //!
 //! | offset | field | holds |
 //! | ---: | --- | --- |
@@ -20,6 +20,7 @@
 //! | 20 | `counts` | 31 `u32`, [`records::Counts`] |
 //! | 144 | `sight` | 4 `u32`, [`records::Sight`] |
 //! | 160 | `tolerance` | `f32`, metres |
+//! | 164 | `ahead` | `f32`, below 1 |
 //!
 //! Then follow, without gaps,
 //!
@@ -99,7 +100,7 @@ use records::{Counts, Emitter, Header, Loop, Shape, Sight, Surface};
 use zerocopy::FromBytes;
 
 /// The version of the format that this kernel reads.
-pub const VERSION: u32 = 5;
+pub const VERSION: u32 = 6;
 
 /// The first eight bytes of every table.
 pub const MAGIC: [u8; 8] = *b"isolux\r\n";
@@ -332,6 +333,11 @@ impl<'t> Scene<'t> {
     /// How many of everything there are.
     pub fn counts(&self) -> &'t Counts {
         &self.header.counts
+    }
+
+    /// The part of light still to come that emitters may send ahead of it.
+    pub(crate) fn ahead(&self) -> f32 {
+        self.header.ahead
     }
 
     /// What a workspace must hold so that visibility is exact at every sample.

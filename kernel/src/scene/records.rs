@@ -23,6 +23,9 @@ pub struct Header {
     /// Distance in metres within which a place lies on a plane: 1e-6 of the
     /// largest absolute coordinate of the scene.
     pub tolerance: f32,
+    /// The part, below 1, of light that is still to come that an emitter of linear
+    /// radiosity may send ahead of it: 0 in scenes that much light leaves.
+    pub ahead: f32,
 }
 
 // The offsets that the format is specified with.
@@ -33,7 +36,8 @@ const _: () = assert!(
         && offset_of!(Header, counts) == 20
         && offset_of!(Header, sight) == 144
         && offset_of!(Header, tolerance) == 160
-        && size_of::<Header>() == 164
+        && offset_of!(Header, ahead) == 164
+        && size_of::<Header>() == 168
 );
 
 /// The capacities of [`Exact`](crate::visibility::Exact) that a scene was
@@ -68,6 +72,7 @@ impl Header {
             blockers: 0,
         },
         tolerance: 0.0,
+        ahead: 0.0,
     };
 }
 

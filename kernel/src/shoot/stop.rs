@@ -45,6 +45,10 @@ pub struct Solved {
 
 /// A state that light is shot in, whatever its numbers.
 pub(crate) trait Shooting {
+    /// Light that is still to come, where it is sent ahead.
+    type Ahead: Copy;
+    /// None of it.
+    const NOTHING: Self::Ahead;
     /// Direct light alone; the number of shots.
     fn direct(&mut self) -> u32;
     /// One more reflection of all light; the number of shots.
@@ -52,16 +56,14 @@ pub(crate) trait Shooting {
     /// One shot of the emitter with the largest unshot power; whether there was
     /// one.
     fn shoot(&mut self) -> bool;
-    /// As [`shoot`](Self::shoot), if the unshot power is above this fraction of the
-    /// emitted power.
-    fn shoot_above(&mut self, fraction: f32) -> bool;
     /// As many shots, `most` of them, as follow each other without a new look at what
-    /// is left; how many there were, 0 once that is below the fraction.
-    fn shoot_some(&mut self, fraction: f32, most: u32) -> u32 {
-        match most {
-            0 => 0,
-            _ => u32::from(self.shoot_above(fraction)),
-        }
+    /// is left; how many there were, 0 once that is below this fraction of the emitted
+    /// power. What is `ahead` is sent as well, and then what the look has found.
+    fn shoot_some(&mut self, fraction: f32, most: u32, ahead: &mut Self::Ahead) -> u32;
+    /// How many shots may be ahead of their light: a bound, so that the rest
+    /// converges whatever they did.
+    fn most_ahead(&self) -> u32 {
+        0
     }
 }
 
@@ -75,7 +77,7 @@ pub(crate) fn until(stop: Stop, light: &mut impl Shooting) -> u32 {
 /// Lights a scene that has seen so many `shots` until `stop`; the number of shots
 /// in all.
 #[inline]
-pub(crate) fn onwards(stop: Stop, mut shots: u32, light: &mut impl Shooting) -> u32 {
+pub(crate) fn onwards<S: Shooting>(stop: Stop, mut shots: u32, light: &mut S) -> u32 {
     match stop {
         Stop::Reflections(times) => {
             for _ in 0..times {
@@ -95,8 +97,14 @@ pub(crate) fn onwards(stop: Stop, mut shots: u32, light: &mut impl Shooting) -> 
             fraction,
             shots: limit,
         } => {
+            let last = shots.saturating_add(light.most_ahead());
+            let mut ahead = S::NOTHING;
             while shots < limit {
-                let more = light.shoot_some(fraction, limit.saturating_sub(shots));
+                if shots >= last {
+                    ahead = S::NOTHING;
+                }
+                let most = limit.saturating_sub(shots);
+                let more = light.shoot_some(fraction, most, &mut ahead);
                 if more == 0 {
                     break;
                 }

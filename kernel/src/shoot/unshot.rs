@@ -11,13 +11,17 @@ use crate::transfer::Transfer;
 const SCALE: f32 = 1.0 / (1 << 24) as f32;
 
 /// What has not been shot.
-pub(super) struct Left {
+pub(super) struct Left<C> {
     /// Its power as a fraction of the emitted power.
     pub(super) fraction: f32,
     /// The emitted power, [`SCALE`]d.
     emitted: f32,
     /// The emitter that has most of it; `None` where nothing is left.
     pub(super) brightest: Option<usize>,
+    /// A [part](crate::scene::records::Header::ahead) of the irradiance in W m⁻² that
+    /// all of it would come to, spread evenly over the surfaces that reflect:
+    /// Σ ΔB_j A_j / Σ (1 − ρ_j) A_j. Dark unless emitters may shoot ahead.
+    pub(super) ahead: C,
 }
 
 impl<A, const SAMPLES: usize, const EMITTERS: usize, L, V, const SURFACES: usize>
@@ -27,21 +31,33 @@ where
     L: Luminance,
     V: Transfer,
 {
-    /// Power not yet shot, Σ |B − shot| A, as a fraction of the emitted power; 0 in
+    /// Power not yet shot, Σ |B − shot| A by the [strength](Luminance::strength) of what is
+    /// left, as a fraction of the emitted power; 0 in
     /// a dark scene, 1 where nothing emits any more and light is still about.
     pub fn unshot_fraction(&self) -> f32 {
-        self.left().fraction
+        self.left(L::Colour::DARK).fraction
     }
 
-    /// What has not been shot.
-    pub(super) fn left(&self) -> Left {
+    /// What has not been shot. Emitters are compared by it and by what they reflect of
+    /// the irradiance `ahead`.
+    pub(super) fn left(&self, ahead: L::Colour) -> Left<L::Colour> {
         let (mut unshot, mut emitted, mut most) = (0.0, 0.0, 0.0);
         let mut brightest = None;
+        let (mut flux, mut absorbed) = (L::Colour::DARK, L::Colour::DARK);
         for (index, emitter) in self.tables().emitters().iter().enumerate() {
-            let radiosity = L::strength(self.unshot_mean(index));
+            let mut pending = self.unshot(index);
+            let radiosity = pending.strength();
             unshot += radiosity * SCALE * emitter.area;
+            if L::AHEAD && emitter.members > 0 {
+                let reflectance = self.reflectance(emitter.surface as usize);
+                let area = SCALE * emitter.area;
+                flux = flux.plus(pending.mean().times(area));
+                absorbed = absorbed.plus(reflectance.map(|rho| (1.0 - rho) * area));
+                let to_come = L::uniform(ahead.zip(reflectance, |e, rho| rho * e));
+                pending = pending.zip(to_come, Colour::plus);
+            }
             // Not scaled: the smallest powers must be told apart.
-            let power = radiosity * emitter.area;
+            let power = pending.strength() * emitter.area;
             if power > most {
                 (brightest, most) = (Some(index), power);
             }
@@ -54,6 +70,26 @@ where
             },
             emitted,
             brightest,
+            ahead: flux.zip(absorbed, |flux, absorbed| match absorbed > 0.0 {
+                true => held(self.tables().ahead() * flux / absorbed, 0.0),
+                false => 0.0,
+            }),
+        }
+    }
+
+    /// What an emitter is to have shot grows by what it reflects of the irradiance
+    /// `ahead`, which is still to come.
+    pub(super) fn expect(&mut self, index: usize, ahead: L::Colour) {
+        let Some(emitter) = self.tables().emitters().get(index) else {
+            return;
+        };
+        if emitter.members == 0 {
+            return;
+        }
+        let reflectance = self.reflectance(emitter.surface as usize);
+        let to_come = L::uniform(ahead.zip(reflectance, |e, rho| rho * e));
+        if let Some(state) = self.emitters.get_mut(index) {
+            state.due = state.due.zip(to_come, Colour::plus);
         }
     }
 
@@ -62,7 +98,7 @@ where
     /// three quarters of the fraction. The number of shots, at most `most`; 0 once it is below the
     /// fraction.
     pub(super) fn sweep(&mut self, fraction: f32, most: u32) -> u32 {
-        let left = self.left();
+        let left = self.left(L::Colour::DARK);
         if left.fraction <= fraction {
             return 0;
         }
@@ -74,11 +110,9 @@ where
                 break;
             }
             self.settle(index);
-            let pending = self.emitters.get(index).map(|state| {
-                let pending = state.due.mean().zip(state.shot.mean(), held);
-                L::strength(pending)
-            });
-            if pending.unwrap_or(0.0) * SCALE * emitter.area > least {
+            let state = self.emitters.get(index);
+            let pending = state.map_or(L::DARK, |state| difference(state.due, state.shot));
+            if pending.strength() * SCALE * emitter.area > least {
                 shots = shots.saturating_add(u32::from(self.send(index)));
             }
         }
@@ -97,33 +131,15 @@ where
         }
     }
 
-    /// The mean of what an emitter has not yet shot, to the bit, for a third of the
-    /// cost of all of it.
-    fn unshot_mean(&self, index: usize) -> L::Colour {
-        let (Some(state), Some(emitter)) = (
-            self.emitters.get(index),
-            self.tables().emitters().get(index),
-        ) else {
-            return L::Colour::DARK;
+    /// What an emitter has not yet shot.
+    fn unshot(&self, index: usize) -> L {
+        let Some(state) = self.emitters.get(index) else {
+            return L::DARK;
         };
-        let mut mean = state.due.mean();
-        if !self.tables().is_luminaire(index) {
-            mean = L::Colour::DARK;
-            for (sample, weights) in self.tables().members_of(emitter) {
-                let irradiance = self.irradiance.get(sample).copied();
-                let irradiance = irradiance.unwrap_or(L::Colour::DARK);
-                mean = mean.plus(match weights.first() {
-                    Some(&weight) => irradiance.times(weight),
-                    None => irradiance,
-                });
-            }
-            if !L::WEIGHTED && emitter.members > 0 {
-                mean = mean.map(|sum| sum / emitter.members as f32);
-            }
-            let reflectance = self.reflectance(emitter.surface as usize);
-            mean = mean.zip(reflectance, |e, rho| rho * e);
+        match self.tables().is_luminaire(index) {
+            true => difference(state.due, state.shot),
+            false => difference(self.reflected(index), state.shot),
         }
-        mean.zip(state.shot.mean(), held)
     }
 
     /// ρ times the irradiance of the emitter's members: their mean, or what

@@ -71,13 +71,14 @@ fn units(floats: &content::Content, tables: &Tables) -> Result<Units, TooLarge> 
     Ok(Units::of(farthest, brightest, MARGIN * light))
 }
 
-/// The most that arrives at a sample or is reflected anywhere of a patch in W m⁻²: the sum
-/// of what every luminaire brings alone.
+/// The most that arrives at a sample or anywhere on a patch in W m⁻²: the sum of what every
+/// luminaire brings alone. Of a patch it is its coefficients before they are reflected,
+/// which are words on the device as well.
 fn brightest_light(floats: &content::Content, tables: &Tables) -> Result<f64, isolux::Error> {
     let mut solution = solve(tables, Rung::Best, Sight::None, STOP)?;
     let luminaires = floats.exitances.len();
     let mut received = vec![0.0; floats.samples.len()];
-    let mut reflected = vec![0.0; floats.emitters.len()];
+    let mut gathered = vec![0.0; floats.emitters.len()];
     for on in 0..luminaires {
         for (index, &exitance) in floats.exitances.iter().enumerate() {
             let radiance = match index == on {
@@ -92,29 +93,28 @@ fn brightest_light(floats: &content::Content, tables: &Tables) -> Result<f64, is
         for (sum, value) in received.iter_mut().zip(&irradiance) {
             *sum += value.abs();
         }
-        for (sum, emitter) in reflected.iter_mut().zip(&floats.emitters) {
-            let coefficients = radiosity(floats, emitter, &irradiance);
+        for (sum, emitter) in gathered.iter_mut().zip(&floats.emitters) {
+            let coefficients = coefficients(floats, emitter, &irradiance);
             *sum += coefficients.iter().map(|x| x.abs()).sum::<f64>();
         }
     }
-    let all = received.into_iter().chain(reflected);
+    let all = received.into_iter().chain(gathered);
     Ok(all.fold(0.0, f64::max))
 }
 
-/// The coefficients of what an emitter reflects of this light.
-fn radiosity(
+/// The coefficients of this light over an emitter.
+fn coefficients(
     floats: &content::Content,
     emitter: &records::Emitter,
     irradiance: &[f64],
 ) -> [f64; 3] {
-    let reflectance = f64::from(floats.reflectances[emitter.surface as usize]);
     let first = emitter.first_member as usize;
     let mut sum = [0.0; 3];
     for member in first..first + emitter.members as usize {
         let irradiance = irradiance[usize::from(floats.members[member])];
         let weights = floats.weights.get(3 * member..).unwrap_or(&[]);
         for (sum, &weight) in sum.iter_mut().zip(weights) {
-            *sum += reflectance * f64::from(weight) * irradiance;
+            *sum += f64::from(weight) * irradiance;
         }
     }
     sum
