@@ -138,6 +138,22 @@ fn every_other_length_is_refused_with_both_numbers() {
     }
 }
 
+/// Every pair of counts at once, so that no product of two overflows before it is checked.
+#[test]
+fn counts_without_bounds_are_refused() {
+    const COUNTS: usize = size_of::<Counts>() / 4;
+    let at = |field: usize| offset_of!(Header, counts) + 4 * field;
+    for (one, other) in (0..COUNTS).flat_map(|one| (0..one).map(move |other| (one, other))) {
+        for count in [u32::MAX, 1 << 31, 1 << 16] {
+            let refused = changed(|bytes, _| {
+                put(bytes, at(one), count);
+                put(bytes, at(other), count);
+            });
+            assert!(refused.is_err(), "counts {one} and {other}: {count}");
+        }
+    }
+}
+
 #[test]
 fn every_changed_bit_is_found() {
     let sound = paper().2.bytes();

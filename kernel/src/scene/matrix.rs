@@ -96,8 +96,9 @@ pub(crate) const fn bytes(counts: &Counts) -> u64 {
     if counts.terms == 0 {
         return 0;
     }
-    // Below 2^38: no product overflows.
-    let bits = counts.terms as u64 * 2 * counts.bits as u64;
+    // Counts that nobody has checked yet: past what any tables have it saturates.
+    let terms = counts.terms as u64 * 2;
+    let bits = terms.saturating_mul(counts.bits as u64);
     (bits.div_ceil(8) + 3).next_multiple_of(4)
 }
 
