@@ -39,7 +39,7 @@ const Q24_TERMS: &[&str] = &["--arithmetic", "q24", "--transfer", "matrix"];
 
 /// What the costs are fitted to: the shipped scenes as they are and every kind of emitter,
 /// visibility, transfer and reconstruction, each in several sizes.
-pub(crate) const RUNS: [Run; 63] = [
+pub(crate) const RUNS: [Run; 64] = [
     run("paper", 0, &[]),
     run("paper", 40, &[]),
     run("paper", 70, &[]),
@@ -51,6 +51,7 @@ pub(crate) const RUNS: [Run; 63] = [
     run("paper", 0, LAYERS),
     run("paper", 30, LAYERS),
     run("paper", 70, LAYERS),
+    run("paper-aspect", 0, LAYERS),
     run("paper-aspect", 40, LAYERS),
     run("penumbra", 0, &[]),
     run("penumbra", 20, &[]),
