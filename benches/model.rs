@@ -1,5 +1,6 @@
 //! What an operation of the kernel costs on a Cortex-M4F, in integers on a Cortex-M3, fitted
-//! to emulated runs of many scenes: the costs that the budget sheet multiplies.
+//! to emulated runs of many scenes: the costs that the budget sheet multiplies; and what they
+//! err by in others.
 //!
 //! ```text
 //! cargo bench --bench model              prints the costs and what they err by
@@ -25,32 +26,23 @@ fn main() -> ExitCode {
         return ExitCode::SUCCESS; // `cargo test` builds it, and no more
     }
     let directory = tempfile::tempdir().expect("a directory");
-    let mut observed = Vec::new();
     let words: Vec<&String> = { arguments.iter() }
         .filter(|argument| !argument.starts_with("--"))
         .collect();
     let asked = |run: &&model::Run| words.is_empty() || words.iter().any(|word| run.has(word));
-    for run in model::RUNS.iter().filter(asked) {
-        let arguments = run.arguments(directory.path());
-        let Some(answer) = answer(&arguments, directory.path()) else {
-            return ExitCode::FAILURE;
-        };
-        let steps = model::observed(&answer);
-        for step in &steps {
-            println!(
-                "{} {}: {}",
-                arguments.join(" "),
-                step.group,
-                step.instructions
-            );
-        }
-        observed.extend(steps);
-    }
-    let (mut text, said) = model::model(&observed);
+    let (Some(fitted), Some(others)) = (
+        observed(model::RUNS.iter().filter(asked), directory.path()),
+        observed(model::OTHERS.iter().filter(asked), directory.path()),
+    ) else {
+        return ExitCode::FAILURE;
+    };
+    let fitted: Vec<model::Observed> = fitted.into_iter().map(|(_, step)| step).collect();
+    let (mut text, mut said) = model::model(&fitted);
     if !words.is_empty() {
         let written = std::fs::read_to_string(model::PATH).unwrap_or_default();
         text = model::with_others(&written, &text);
     }
+    said += &model::tried(&text, &others);
     print!("{text}{said}");
     if arguments.iter().any(|argument| argument == "--write") {
         if let Err(error) = write_file(Path::new(model::PATH), text.as_bytes()) {
@@ -60,6 +52,24 @@ fn main() -> ExitCode {
         println!("wrote {}", model::PATH);
     }
     ExitCode::SUCCESS
+}
+
+/// The steps of runs, each with the words that ran it; `None` where one does not answer.
+fn observed<'a>(
+    runs: impl Iterator<Item = &'a model::Run>,
+    directory: &Path,
+) -> Option<Vec<(String, model::Observed)>> {
+    let mut all = Vec::new();
+    for run in runs {
+        let arguments = run.arguments(directory);
+        let answer = answer(&arguments, directory)?;
+        let name = run.name();
+        for step in model::observed(&answer) {
+            println!("{name} {}: {}", step.group, step.instructions);
+            all.push((name.clone(), step));
+        }
+    }
+    Some(all)
 }
 
 /// What the program of this checkout answers. That the run is above the committed costs is

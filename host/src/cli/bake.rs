@@ -1,12 +1,15 @@
 //! `isolux bake`: the tables of a scene, and the source a firmware takes them with.
 
 use super::choice::RungArguments;
+use super::device;
 use super::failure::Failure;
 use super::pipeline::{self, Planned};
 use super::sheet::{self, Sheet};
 use super::{CurrentArgument, PlanArgument, RepaintArgument, SceneArgument};
 use crate::bake::{Described, Names, source};
-use crate::report::write_file;
+use crate::device::{DEVICE_FLASH, DEVICE_RAM};
+use crate::pilot::FLASH;
+use crate::report::{warn, write_file};
 use clap::Args;
 use serde::Serialize;
 use std::io::Write;
@@ -15,6 +18,8 @@ use std::path::{Path, PathBuf};
 /// Bakes a scene for a firmware of your own: NAME.isolux, the tables; NAME.rs, a Rust
 /// module with the types and constants that go with them; NAME.md and NAME.json, the
 /// budget sheet. NAME is that of the scene file. The same scene gives the same bytes.
+/// Tables or a state larger than what memory.x has are refused where the scene has no
+/// [budget] flash or ram.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -53,6 +58,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     let mut planned = pipeline::plan_or_read(scene, &arguments.rungs, plan, &[])?;
     planned.repaint(arguments.repaint.repaint)?;
     planned.affordable()?;
+    held(&planned)?;
     let operations = sheet::operations(&planned, pipeline::stop(None))?;
     let current = arguments.current.microamperes;
     let sheet = Sheet::of(&planned)?.with_cost(operations.as_ref(), current);
@@ -69,6 +75,26 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         }
     }
     out.flush()?;
+    Ok(())
+}
+
+/// Refuses what the device of `memory.x` cannot hold where the scene has no budget of its
+/// own, and warns of tables that leave less than 96 KiB to the code.
+fn held(planned: &Planned) -> Result<(), Failure> {
+    let budget = planned.scene.budget;
+    let (flash, ram) = (budget.flash, budget.ram);
+    device::fits(
+        planned,
+        flash.unwrap_or(DEVICE_FLASH),
+        ram.unwrap_or(DEVICE_RAM),
+    )?;
+    let tables = planned.tables.bytes().len();
+    if flash.is_none() && tables > FLASH {
+        warn(&format!(
+            "the tables take {tables} bytes of flash, and memory.x has {FLASH} beside 96 KiB of code; \
+             `isolux plan SCENE --flash {FLASH} -o FILE` makes a plan that fits"
+        ));
+    }
     Ok(())
 }
 

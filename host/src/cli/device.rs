@@ -71,7 +71,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         },
         ..Options::default()
     };
-    fits(&planned)?;
+    fits(&planned, device::DEVICE_FLASH, device::DEVICE_RAM)?;
     let sheet = match arguments.sheet {
         true => Some(sheet_of(&planned, arguments)?),
         false => None,
@@ -123,22 +123,17 @@ fn sheet_of(planned: &Planned, arguments: &Arguments) -> Result<Sheeted, Failure
     Ok(Sheeted { sheet, operations })
 }
 
-/// Refuses tables that the device has no flash for before a firmware is built.
-fn fits(planned: &Planned) -> Result<(), Failure> {
-    let (tables, ram) = (planned.tables.bytes().len() as u64, planned.ram()?.0 as u64);
+/// Refuses tables and a state that take more bytes of flash and of RAM than there are.
+pub(super) fn fits(planned: &Planned, flash: u64, ram: u64) -> Result<(), Failure> {
+    let (tables, state) = (planned.tables.bytes().len() as u64, planned.ram()?.0 as u64);
     for (what, wish, needed, have) in [
-        (
-            "flash for its tables",
-            "--flash",
-            tables,
-            device::DEVICE_FLASH,
-        ),
-        ("RAM", "--ram", ram, device::DEVICE_RAM),
+        ("flash for its tables", "--flash", tables, flash),
+        ("RAM", "--ram", state, ram),
     ] {
         if needed > have {
             return Err(Failure::limit(
                 format!(
-                    "scene `{}` needs {needed} bytes of {what}, memory.x has {have}",
+                    "scene `{}` needs {needed} bytes of {what}, memory.x has {have} for that",
                     planned.scene.name
                 ),
                 format!(

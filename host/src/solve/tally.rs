@@ -5,8 +5,12 @@
 //! costs on a core.
 
 mod integers;
+mod number;
+mod operation;
+mod seen;
 
 pub(crate) use integers::tally as tally_in_integers;
+pub use operation::Operation;
 
 use super::looking::Looking;
 use super::{EMITTERS, HostRoot, SAMPLES, Sight};
@@ -20,114 +24,11 @@ use isolux::scene::{Method, Scene};
 use isolux::shoot::{Light, Stop};
 use isolux::transfer::{Codes, Pair, Transfer};
 use isolux::visibility::records::{Blocker, Occluders, Target};
-use isolux::visibility::{Bracket, Capacities, Looked, Piece, Sum, Visibility};
+use isolux::visibility::{Bracket, Capacities, Looked, Sum, Visibility};
+use number::{CountedRoot, Kind, Number32, done};
+use seen::{Workspace, arithmetic, is_near, rule};
 use std::cell::Cell;
 use std::marker::PhantomData;
-
-/// What is counted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Operation {
-    /// An emitter shoots.
-    Shot,
-    /// An emitter and a sample.
-    Pair,
-    /// An emitter asked for all that it has not shot, before direct light.
-    Gather,
-    /// One of its members.
-    GatherMember,
-    /// An emitter asked for the power that it has not shot, before every shot after.
-    Unshot,
-    /// One of its members.
-    Member,
-    /// A loop summed.
-    Loop,
-    /// A corner of such a loop.
-    Corner,
-    /// A loop that the horizon cuts.
-    CutLoop,
-    /// A small loop: by the form without cancellation.
-    SmallLoop,
-    /// A corner of such a loop.
-    SmallCorner,
-    /// A look past occluders.
-    Look,
-    /// A blocker on the list of a look.
-    Listed,
-    /// A blocker that may hide something.
-    Kept,
-    /// A line of such a blocker.
-    Line,
-    /// A piece that is seen.
-    Piece,
-    /// A corner of such a piece.
-    PieceCorner,
-    /// A code that says a point will do.
-    PointCode,
-    /// A code that asks for moments or contours.
-    Code,
-    /// An emitter and a surface that have terms.
-    Sent,
-    /// An emitter and a sample that have a term.
-    Entry,
-    /// A term that is not 0.
-    Term,
-}
-
-impl Operation {
-    /// All of them.
-    pub const ALL: [Self; 22] = [
-        Self::Shot,
-        Self::Pair,
-        Self::Gather,
-        Self::GatherMember,
-        Self::Unshot,
-        Self::Member,
-        Self::Loop,
-        Self::Corner,
-        Self::CutLoop,
-        Self::SmallLoop,
-        Self::SmallCorner,
-        Self::Look,
-        Self::Listed,
-        Self::Kept,
-        Self::Line,
-        Self::Piece,
-        Self::PieceCorner,
-        Self::PointCode,
-        Self::Code,
-        Self::Sent,
-        Self::Entry,
-        Self::Term,
-    ];
-
-    /// What it is called in committed costs.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Shot => "shot",
-            Self::Pair => "pair",
-            Self::Gather => "gather",
-            Self::GatherMember => "gather-member",
-            Self::Unshot => "unshot",
-            Self::Member => "member",
-            Self::Loop => "loop",
-            Self::Corner => "corner",
-            Self::CutLoop => "cut-loop",
-            Self::SmallLoop => "small-loop",
-            Self::SmallCorner => "small-corner",
-            Self::Look => "look",
-            Self::Listed => "listed",
-            Self::Kept => "kept",
-            Self::Line => "line",
-            Self::Piece => "piece",
-            Self::PieceCorner => "piece-corner",
-            Self::PointCode => "point-code",
-            Self::Code => "code",
-            Self::Sent => "sent",
-            Self::Entry => "entry",
-            Self::Term => "term",
-        }
-    }
-}
 
 /// How often every operation was done.
 pub type Tally = [u64; Operation::ALL.len()];
@@ -152,31 +53,65 @@ impl<A: Arithmetic<f32>> Arithmetic<f32> for Counted<A> {
     type Root = A::Root;
 
     fn contour(receiver: &Receiver<f32>, facing: Vector<f32>, outline: &Outline<'_, f32>) -> f32 {
-        let from = |&vertex: &[f32; 3]| Vector::from(vertex) - receiver.position();
-        let vertices = outline.vertices();
-        // As the rung decides: seen within 22.5° of the first vertex.
-        let small = vertices
-            .first()
-            .is_some_and(|first| outline.reach_squared() <= 0.1464 * from(first).norm_squared());
-        let above = { vertices.iter() }
-            .filter(|vertex| receiver.normal().dot(from(vertex)) > 0.0)
-            .count();
-        let [whole, corner] = match small {
-            true => [Operation::SmallLoop, Operation::SmallCorner],
-            false => [Operation::Loop, Operation::Corner],
-        };
-        count(whole, 1);
-        count(corner, vertices.len());
-        if above > 0 && above < vertices.len() {
-            count(Operation::CutLoop, 1);
-        }
+        contour(receiver, facing, outline);
         A::contour(receiver, facing, outline)
+    }
+}
+
+/// Counts what a loop takes.
+fn contour(from: &Receiver<f32>, facing: Vector<f32>, outline: &Outline<'_, f32>) {
+    let relative = |&vertex: &[f32; 3]| Vector::from(vertex) - from.position();
+    let vertices = outline.vertices();
+    // As the rung decides: seen within 22.5° of the first vertex.
+    let small = vertices
+        .first()
+        .is_some_and(|first| outline.reach_squared() <= 0.1464 * relative(first).norm_squared());
+    let above = { vertices.iter() }
+        .filter(|vertex| from.normal().dot(relative(vertex)) >= 0.0)
+        .count();
+    let whole = above == vertices.len();
+    if small && whole {
+        count(Operation::SmallLoop, 1);
+        count(Operation::SmallCorner, vertices.len());
+        return;
+    }
+    let Some(receiver) = number::receiver(from) else {
+        return;
+    };
+    let counted: Vec<[Number32; 3]> = vertices.iter().map(|v| v.map(Number32)).collect();
+    let counted = Outline::new(&counted);
+    done();
+    Best::<CountedRoot>::contour(&receiver, number::vector(facing), &counted);
+    if small {
+        let quotients = done()[Kind::Quotient as usize] as usize;
+        count(Operation::SmallCut, 1);
+        count(Operation::SmallCutQuotient, quotients);
+    } else if whole {
+        let roots = done()[Kind::Root as usize] as usize;
+        count(Operation::Loop, 1);
+        count(Operation::Corner, vertices.len());
+        count(Operation::Obtuse, roots.saturating_sub(vertices.len()));
+    } else {
+        count(Operation::CutLoop, 1);
+        arithmetic([
+            (Kind::Sum, Operation::CutSum),
+            (Kind::Product, Operation::CutProduct),
+            (Kind::Quotient, Operation::CutQuotient),
+            (Kind::Comparison, Operation::CutComparison),
+            (Kind::Root, Operation::CutRoot),
+        ]);
     }
 }
 
 /// Any rung of visibility, counted.
 #[derive(Clone, Debug, Default)]
-struct Observed(Looking);
+struct Observed {
+    looking: Looking,
+    counting: Box<Workspace>,
+    /// Whether the radiosity is linear, and whether the emitter only reflects.
+    is_linear: bool,
+    reflects: bool,
+}
 
 impl Visibility for Observed {
     const CAPACITIES: Capacities = Looking::CAPACITIES;
@@ -189,7 +124,7 @@ impl Visibility for Observed {
         blockers: impl Iterator<Item = Blocker>,
         unoccluded: impl FnOnce() -> f32,
     ) -> Bracket<f32> {
-        let looking = &mut self.0;
+        let looking = &mut self.looking;
         looking.form_factor::<R>(receiver, target, occluders, blockers, unoccluded)
     }
 
@@ -201,44 +136,20 @@ impl Visibility for Observed {
         blockers: impl Iterator<Item = Blocker>,
         parts: &mut impl Sum<f32>,
     ) -> Looked<f32> {
-        count(Operation::Look, 1);
-        let blockers = blockers.inspect(|_| count(Operation::Listed, 1));
-        let mut told = Told(parts);
-        let looked = self
-            .0
-            .look(receiver, target, occluders, blockers, &mut told);
-        if let (Looking::Exact(exact), false) = (&self.0, looked == Looked::Dark) {
-            let (blockers, lines) = exact.kept();
-            count(Operation::Kept, blockers);
-            count(Operation::Line, lines);
+        let blockers: Vec<Blocker> = blockers.collect();
+        if matches!(self.looking, Looking::Exact(_)) {
+            let counting = &mut self.counting;
+            let is_linear = self.is_linear;
+            seen::look(counting, receiver, target, occluders, &blockers, is_linear);
+        }
+        let blockers = blockers.iter().copied();
+        let looked = { &mut self.looking }.look(receiver, target, occluders, blockers, parts);
+        let is_known = matches!(looked, Looked::Dark | Looked::Parts | Looked::AtMost);
+        if self.is_linear && self.reflects && !is_known {
+            let near = is_near(receiver, target.origin, target.radius);
+            rule(target.corners, 1.0, near);
         }
         looked
-    }
-}
-
-/// A sum over pieces, counted.
-struct Told<'a, S>(&'a mut S);
-
-fn piece(piece: &Piece<'_, f32>) {
-    count(Operation::Piece, 1);
-    count(Operation::PieceCorner, piece.corners().len());
-}
-
-impl<S: Sum<f32>> Sum<f32> for Told<'_, S> {
-    fn visible(&mut self, seen: &Piece<'_, f32>) {
-        piece(seen);
-        self.0.visible(seen);
-    }
-
-    fn unresolved(&mut self, unknown: &Piece<'_, f32>) {
-        piece(unknown);
-        self.0.unresolved(unknown);
-    }
-
-    fn difference(&mut self, whole: &Piece<'_, f32>, hidden: &Piece<'_, f32>) -> bool {
-        piece(whole);
-        piece(hidden);
-        self.0.difference(whole, hidden)
     }
 }
 
@@ -247,6 +158,8 @@ impl<S: Sum<f32>> Sum<f32> for Told<'_, S> {
 struct Transferred {
     looking: Observed,
     coded: bool,
+    /// Who shot last.
+    last: Option<usize>,
 }
 
 impl Transfer for Transferred {
@@ -265,18 +178,96 @@ impl Transfer for Transferred {
         radiosity: L,
     ) -> L::Colour {
         count(Operation::Pair, 1);
+        let reflects = !scene.is_luminaire(pair.emitter);
+        if self.last != Some(pair.emitter) {
+            self.last = Some(pair.emitter);
+            begins(scene, pair.emitter);
+        }
         if !self.coded {
+            self.looking.is_linear = L::COEFFICIENTS > 1;
+            self.looking.reflects = reflects;
+            self.compute(scene, receiver, pair);
             let looking = &mut self.looking;
             return Transfer::received::<A, L>(looking, scene, receiver, pair, radiosity);
         }
-        if !scene.is_luminaire(pair.emitter) {
-            match scene.code(pair.emitter, pair.receiver).meaning().0 {
-                Method::Skip => {}
-                Method::Point => count(Operation::PointCode, 1),
-                _ => count(Operation::Code, 1),
+        if reflects {
+            let method = scene.code(pair.emitter, pair.receiver).meaning().0;
+            if method != Method::Skip
+                && let Some(near) = facing(scene, receiver, pair.emitter)
+            {
+                match method {
+                    Method::Point => count(Operation::PointCode, 1),
+                    _ => {
+                        count(Operation::Code, 1);
+                        rules(scene, pair.emitter, near);
+                    }
+                }
             }
         }
         Codes.received::<A, L>(scene, receiver, pair, radiosity)
+    }
+}
+
+impl Transferred {
+    /// Counts what a pair takes besides looks and loops.
+    fn compute(&self, scene: &Scene<'_>, receiver: &Receiver<f32>, pair: Pair) {
+        let (shape, emitter) = (
+            scene.shapes().get(pair.emitter),
+            &scene.emitters()[pair.emitter],
+        );
+        let is_seeing = !matches!(self.looking.looking, Looking::None);
+        let is_occluded =
+            is_seeing && !pair.unshadowed && shape.is_some_and(|shape| shape.blockers > 0);
+        let is_point = emitter.loops == 0;
+        if !self.looking.is_linear && !is_occluded && !is_point {
+            return;
+        }
+        let Some(near) = facing(scene, receiver, pair.emitter) else {
+            return;
+        };
+        if is_point {
+            count(Operation::PointPair, 1);
+            return;
+        }
+        count(Operation::Facing, 1);
+        if self.looking.is_linear && self.looking.reflects && !is_occluded {
+            rules(scene, pair.emitter, near);
+        }
+    }
+}
+
+/// Counts what an emitter that is about to shoot takes by itself.
+fn begins(scene: &Scene<'_>, index: usize) {
+    let emitter = &scene.emitters()[index];
+    count(
+        Operation::ShotSurface,
+        scene.surfaces().len() + scene.points().len(),
+    );
+    if emitter.members > 0 {
+        count(Operation::Gather, 1);
+        count(Operation::GatherMember, emitter.members as usize);
+    }
+}
+
+/// Whether a receiver is in front of an emitter with a shape, and if so whether it is
+/// near.
+fn facing(scene: &Scene<'_>, receiver: &Receiver<f32>, index: usize) -> Option<bool> {
+    let emitter = scene.emitters().get(index)?;
+    let surface = scene.surfaces().get(emitter.surface as usize)?;
+    let shape = scene.shapes().get(index)?;
+    let normal = Vector::from(surface.normal);
+    let height = normal.dot(receiver.position() - Vector::from(surface.origin));
+    let center = surface.place(shape.center);
+    let origin = [center.x, center.y, center.z];
+    (height > 0.0).then(|| is_near(receiver, origin, shape.scale))
+}
+
+/// Counts a rule over every loop of an emitter.
+fn rules(scene: &Scene<'_>, index: usize, near: bool) {
+    if let (Some(emitter), Some(shape)) = (scene.emitters().get(index), scene.shapes().get(index)) {
+        for outline in scene.loops_of(emitter) {
+            rule(outline.vertices(), shape.scale, near);
+        }
     }
 }
 
@@ -304,36 +295,42 @@ pub fn tally(tables: &Tables, sight: Sight, stop: Stop) -> Result<[Tally; 2], Er
 fn of<L: Luminance>(scene: Scene<'_>, sight: Sight, stop: Stop) -> Result<[Tally; 2], Error> {
     type Counting = Counted<Best<HostRoot>>;
     let transferred = Transferred {
-        looking: Observed(Looking::with(sight)),
+        looking: Observed {
+            looking: Looking::with(sight),
+            ..Observed::default()
+        },
         coded: scene.counts().is_coded(),
+        last: None,
     };
     let light = Light::<Counting, SAMPLES, EMITTERS, L, _>::with_sight(scene, transferred)?;
     let mut light = Box::new(light);
     let counts = scene.counts();
     let (emitters, members) = (counts.emitters as usize, counts.members as usize);
+    // Every emitter is asked before direct light, and those of a generation before it.
+    let settle = |times: usize| {
+        count(Operation::Gather, times * emitters);
+        count(Operation::GatherMember, times * members);
+    };
     COUNTED.set([0; Operation::ALL.len()]);
     let first = light.direct() as usize;
     count(Operation::Shot, first);
-    count(Operation::Gather, emitters);
-    count(Operation::GatherMember, members);
+    settle(1);
     let direct = COUNTED.get();
     COUNTED.set([0; Operation::ALL.len()]);
     let shots = light.solve(stop).shots as usize;
     count(Operation::Shot, shots);
-    count(Operation::Gather, emitters);
-    count(Operation::GatherMember, members);
-    // All are asked before every generation, or before every shot; and once more for
-    // what is left in the end.
+    // All are asked before every shot, and once more for what is left in the end.
+    let later = shots.saturating_sub(first);
     let looks = match stop {
-        Stop::Reflections(times) => {
-            count(Operation::Gather, times as usize * emitters);
-            count(Operation::GatherMember, times as usize * members);
-            1
-        }
-        _ => shots.saturating_sub(first) + 1,
-    };
+        Stop::Reflections(_) => 0,
+        Stop::Shots(_) => later,
+        Stop::Below { shots: most, .. } => later + usize::from(shots < most as usize),
+    } + 1;
+    settle(match stop {
+        Stop::Reflections(times) => 1 + times as usize,
+        _ => 1,
+    });
     count(Operation::Unshot, looks * emitters);
     count(Operation::Member, looks * members);
-    let all = COUNTED.get();
-    Ok([direct, all])
+    Ok([direct, COUNTED.get()])
 }

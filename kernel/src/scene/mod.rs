@@ -279,6 +279,12 @@ impl<'t> Scene<'t> {
         self.emitters
     }
 
+    /// The shapes of the emitters, one each; none where radiosities are constant and
+    /// nothing occludes.
+    pub fn shapes(&self) -> &'t [Shape] {
+        self.shapes
+    }
+
     /// All samples, ordered by surface: coordinates (u, v) in metres in the
     /// frame of their surface.
     pub fn samples(&self) -> &'t [[f32; 2]] {
@@ -315,7 +321,7 @@ impl<'t> Scene<'t> {
     /// Which of all samples receive, on one surface, from an emitter: from
     /// luminaires not those for reflected light, from others not those for
     /// direct light.
-    pub(crate) fn receivers(&self, surface: &Surface, is_luminaire: bool) -> Range<usize> {
+    pub fn receivers(&self, surface: &Surface, is_luminaire: bool) -> Range<usize> {
         let first = surface.first_sample as usize;
         let end = first.saturating_add(surface.samples as usize);
         if is_luminaire {

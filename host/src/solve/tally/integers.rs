@@ -114,9 +114,16 @@ fn of<F: Format, T: Transfer>(scene: Scene<'_>, stop: Stop) -> Result<[Tally; 2]
         add(Operation::Entry, entries);
         add(Operation::Term, terms);
         for (&(emitter, first), &times) in &sent.computed {
-            form_factors(&scene, emitter, first, &mut |operation, count| {
-                add(operation, times * count);
-            });
+            add(Operation::ShotSurface, times);
+            let fractions = T::fractions(&scene, emitter, first);
+            form_factors(
+                &scene,
+                (emitter, first),
+                fractions,
+                &mut |operation, count| {
+                    add(operation, times * count);
+                },
+            );
         }
         tally
     };
@@ -135,16 +142,25 @@ fn of<F: Format, T: Transfer>(scene: Scene<'_>, stop: Stop) -> Result<[Tally; 2]
 
 /// What an emitter's form factors take for the samples of the surface of which this is the
 /// first among all that receive from its kind.
-fn form_factors(scene: &Scene<'_>, index: usize, first: u32, add: &mut dyn FnMut(Operation, u64)) {
+fn form_factors(
+    scene: &Scene<'_>,
+    (index, first): (usize, u32),
+    fractions: &[u16],
+    add: &mut dyn FnMut(Operation, u64),
+) {
     let is_luminaire = scene.is_luminaire(index);
     let emitter = &scene.emitters()[index];
     let mut next = 0;
     for surface in scene.surfaces().iter().chain(scene.points()) {
         let samples = scene.receivers(surface, is_luminaire);
         if next == first && !samples.is_empty() {
+            let mut fractions = fractions.iter();
             for &place in &scene.samples()[samples] {
                 add(Operation::Pair, 1);
-                form_factor(scene, emitter, surface, place, add);
+                // Of what is not seen nothing is computed.
+                if fractions.next() != Some(&0) {
+                    form_factor(scene, emitter, surface, place, add);
+                }
             }
             return;
         }
@@ -166,16 +182,24 @@ fn form_factor(
     if wide(plane.normal).dot(position - wide(plane.origin)) <= 0.0 {
         return;
     }
+    add(Operation::Facing, 1);
     for vertices in scene.loops_of(emitter) {
-        let is_above =
-            |&&vertex: &&[i32; 3]| wide(surface.normal).dot(wide(vertex) - position) > 0.0;
-        let above = vertices.iter().filter(is_above).count();
+        let seen: Vec<DVec3> = { vertices.iter() }
+            .map(|&vertex| wide(vertex) - position)
+            .collect();
+        let above = |to: &DVec3| wide(surface.normal).dot(*to) > 0.0;
+        let next = seen.iter().cycle().skip(1);
+        let (mut edges, mut crossed, mut obtuse) = (0, 0, 0);
+        for (from, to) in seen.iter().zip(next) {
+            edges += u64::from(above(from) && above(to));
+            crossed += u64::from(above(from) != above(to));
+            obtuse += u64::from((above(from) || above(to)) && from.dot(*to) < 0.0);
+        }
         add(Operation::Loop, 1);
-        if above > 0 {
-            add(Operation::Corner, vertices.len() as u64);
-        }
-        if above > 0 && above < vertices.len() {
-            add(Operation::CutLoop, 1);
-        }
+        add(Operation::Corner, seen.len() as u64);
+        add(Operation::Edge, edges);
+        add(Operation::Crossed, crossed);
+        add(Operation::Obtuse, obtuse);
+        add(Operation::CutLoop, u64::from(crossed > 0));
     }
 }
