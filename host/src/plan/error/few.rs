@@ -6,19 +6,21 @@ use super::{GOOD, at};
 use crate::scene::Scene;
 use nalgebra::{DMatrix, DVector};
 
-/// What points cause at any one place, as a multiple of what they may cause by rms.
-const AT_ONE: f64 = 3.0;
+/// What points may cause by rms, as a multiple of what the lit surface is reconstructed
+/// with; and at any one place, as a multiple of that.
+const BESIDE: f64 = 2.0;
+const AT_ONE: f64 = 2.0;
 
 /// How often each of the chosen samples is tried to be exchanged for another.
 const EXCHANGES: usize = 3;
 
 /// What may be amiss in the power that all points send together; that may be all of
-/// [`AT_ONE`].
-const POWER: f64 = 0.02;
+/// [`AT_ONE`]: it tells when to stop, and arrives nowhere by itself.
+const POWER: f64 = 0.1;
 
 /// Lets few samples of every surface shoot in place of all; whether they light
-/// the other surfaces, and the named points, well enough: with no larger an rms error than
-/// these are reconstructed with, or 0.3 %, and nowhere thrice that.
+/// the other surfaces, and the named points, well enough: with an rms error of twice
+/// what these are reconstructed with, or 0.3 %, at the most, and nowhere twice that.
 ///
 /// Each stands for an area that is fitted to what arrives, and to the power sent, by least
 /// squares: areas are those of the light that `total` gives, as corrections are, and what
@@ -37,7 +39,7 @@ pub(super) fn shoot(scene: &Scene, plan: &mut Plan, total: &Field<'_>) -> bool {
         let values = at(&surface.frame, &tensor.places(), total);
         let lit = Lit::by(scene, index, &surface.frame, total);
         let lit = lit.and_points(scene, index, &surface.frame, total);
-        let allowed = |lit: usize| rms.get(lit).copied().unwrap_or(0.0).max(GOOD);
+        let allowed = |lit: usize| (BESIDE * rms.get(lit).copied().unwrap_or(0.0)).max(GOOD);
         let mut rows = lit.rows(&surface.frame, tensor, &values, &allowed);
         let areas = tensor.areas();
         let sent: f64 = areas.iter().zip(&values).map(|(a, v)| a * v).sum();

@@ -81,8 +81,8 @@ pub fn error_driven(
 }
 
 /// Plans such a scene as [`error_driven`] does, with few of the samples as what shoots: as
-/// many as light all other surfaces and the named points within twice the error that these
-/// are reconstructed with, or 0.3 %, each for an area that is fitted to what arrives there.
+/// many as light all other surfaces and the named points with twice the rms error that
+/// these are reconstructed with, or 0.3 %, each for an area that is fitted to what arrives there.
 ///
 /// The budget is divided by errors as the predicted error counts them, by area and not by
 /// power: what shoots is few, and a sample more is dear on any surface. Areas of points are
