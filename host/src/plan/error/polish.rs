@@ -28,8 +28,8 @@ impl Judge<'_> {
             }
         }
         for step in STEPS {
-            for axis in 0..2 {
-                for moved in moves(counts[axis], step) {
+            for (axis, &count) in counts.iter().enumerate() {
+                for moved in moves(count, step) {
                     let mut grid = best.tensor.clone();
                     for (k, t) in grid.nodes[axis].iter_mut().enumerate() {
                         *t = moved.of(k, *t).clamp(-1.0, 1.0);
