@@ -18,6 +18,9 @@ mod meshes;
 #[allow(dead_code, reason = "the tests of visibility use the rest")]
 mod random;
 
+#[path = "fields/tags.rs"]
+mod tags;
+
 #[path = "fields/repainted.rs"]
 mod repainted;
 

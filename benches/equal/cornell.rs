@@ -13,7 +13,7 @@ use isolux_host::plan::Plan;
 use isolux_host::report::quantity;
 use isolux_host::scene::camera::Hit;
 use isolux_host::scene::{Scene, shipped};
-use isolux_host::solve::{Sight, Solution};
+use isolux_host::solve::{Rung, Sight, Solution};
 
 /// Light is followed until less than this fraction of it is unshot, by both methods.
 const UNSHOT: Stop = Stop::below(0.001);
@@ -37,6 +37,7 @@ pub(crate) fn price_of_a_ray() -> Result<f64, Failed> {
     let once = |sight, tables| Ours {
         scene: &scene,
         tables,
+        arithmetic: Rung::Best,
         sight,
         stop: Stop::Reflections(1),
     };
@@ -165,6 +166,7 @@ fn smallest(pixels: &Pixels, theirs: &Errors, transfer: &'static str) -> Result<
         let ours = Ours {
             scene: &pixels.scene,
             tables: tables(&scene, &plan, transfer)?,
+            arithmetic: Rung::Best,
             sight: Sight::Exact,
             stop: UNSHOT,
         };

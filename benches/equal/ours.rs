@@ -12,6 +12,7 @@ use isolux_host::solve::{self, Rung, Sight, Solution};
 pub(crate) struct Ours<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) tables: Tables,
+    pub(crate) arithmetic: Rung,
     pub(crate) sight: Sight,
     pub(crate) stop: Stop,
 }
@@ -19,7 +20,7 @@ pub(crate) struct Ours<'a> {
 impl Ours<'_> {
     /// The kernel's solution on the host.
     pub(crate) fn solved(&self) -> Result<Solution<'_>, Failed> {
-        let solution = solve::solve(&self.tables, Rung::Best, self.sight, self.stop);
+        let solution = solve::solve(&self.tables, self.arithmetic, self.sight, self.stop);
         solution.map_err(|error| error.to_string().into())
     }
 
@@ -28,7 +29,7 @@ impl Ours<'_> {
         let job = Job {
             scene: &self.scene.name,
             tables: self.tables.bytes(),
-            arithmetic: Rung::Best.name(),
+            arithmetic: self.arithmetic.name(),
             visibility: self.sight.name(),
             stop: self.stop,
             // The picture is part of neither method's count.

@@ -388,6 +388,11 @@ where
         }
         state.shot = state.shot.zip(radiosity, Colour::plus);
         let is_luminaire = scene.is_luminaire(index);
+        let point = if V::POINTS {
+            scene.point_source(index)
+        } else {
+            None
+        };
         let mut next = 0_u32;
         for (number, surface) in (0_u32..).zip(scene.receiving()) {
             let samples = scene.receivers(surface, is_luminaire);
@@ -400,6 +405,10 @@ where
             let places = scene.samples().get(samples.clone()).unwrap_or(&[]);
             let values = self.irradiance.get_mut(samples).unwrap_or_default();
             if !is_luminaire && self.sight.add(&scene, index, first, radiosity, values) {
+                continue;
+            }
+            if let Some(point) = &point {
+                point.add(surface, places, radiosity, values);
                 continue;
             }
             self.sight.each(values, |sight, number, value| {

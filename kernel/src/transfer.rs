@@ -65,6 +65,10 @@ pub trait Transfer {
         false
     }
 
+    /// Whether emitters may be points, which nothing hides and which light many samples
+    /// at once: [`received`](Self::received) gives the same, one by one.
+    const POINTS: bool = false;
+
     /// Whether looking for the brightest emitter costs more than a shot, so that all
     /// shoot in turn.
     fn sweeps(_: &Scene<'_>) -> bool {
@@ -93,6 +97,8 @@ pub trait Transfer {
 }
 
 impl<V: Visibility> Transfer for V {
+    const POINTS: bool = true;
+
     fn fits(scene: &Scene<'_>) -> Result<(), Error> {
         let (counts, needed, have) = (scene.counts(), scene.sight(), V::CAPACITIES);
         let occluders = if have.occluders { counts.occluders } else { 0 };

@@ -1,8 +1,10 @@
 //! What is promised of reconstructions with few samples.
 
 use crate::{open, reference, room, shipped_scene};
+use glam::DVec3;
 use isolux::shoot::Stop;
-use isolux_host::bake::Tables;
+use isolux_host::bake::{self, Tables};
+use isolux_host::plan;
 use isolux_host::reference::{Reference, Reflections};
 use isolux_host::scene::Scene;
 use isolux_host::scene::frame::Frame;
@@ -107,4 +109,71 @@ fn a_penumbra_is_right_with_50_samples() {
     );
     assert!(errors[0] <= 5.0, "{} %", errors[0]);
     assert!(beyond <= 0.2, "{beyond} %");
+}
+
+/// A few samples more, up to 16 on B: all of B within 0.7 %, without a word about how.
+#[test]
+fn sixteen_samples_are_enough_for_light_that_is_reflected() {
+    let mut scene = shipped_scene("paper.toml");
+    scene.budget.samples = Some(65);
+    let (plan, tables) = open(&scene);
+    let counts = ["A", "B"].map(|name| {
+        let index = scene.surface_named(name).expect("a surface");
+        plan.surfaces[index].samples.len()
+    });
+    assert!(counts[0] <= 49 && counts[1] <= 16, "{counts:?}");
+    let judge = Reference::new(&scene, Reflections::UntilUnshot(1e-5), &mut |_| {});
+    let judge = judge.expect("a reference");
+    let [a, b] = ["A", "B"].map(|name| errors(&scene, &tables, &judge, name)[0]);
+    println!("{counts:?} samples: A at most {a} %, B at most {b} %");
+    assert!(a <= 0.25 && b <= 0.7, "A: {a} %, B: {b} %");
+}
+
+/// Few points light B as well as all samples of A do, for a tenth of the terms.
+#[test]
+fn few_points_light_a_surface_as_well_as_many() {
+    let mut scene = shipped_scene("paper.toml");
+    scene.budget.samples = Some(29);
+    let once = reference(&scene, 1);
+    let field = |places: &[(DVec3, DVec3)]| once.irradiance_at(places);
+    let plan = plan::error_driven_with_few_points(&scene, &scene.budget, &field);
+    let plan = plan.expect("a plan").expect("areas that suffice");
+    let [samples, points] = [
+        plan.surfaces.iter().map(|s| s.samples.len()).sum::<usize>(),
+        plan.surfaces.iter().map(|s| s.points.len()).sum::<usize>(),
+    ];
+    assert!(
+        samples <= 29 && (1..=8).contains(&points),
+        "{samples} {points}"
+    );
+    let tables = bake::bake(&scene, &plan, None).expect("tables");
+    let stop = Stop::Reflections(1);
+    let light = solve::solve(&tables, Rung::default(), Sight::None, stop).expect("light");
+    // What is sent is what is reflected, to a fifth.
+    for (index, planned) in plan.surfaces.iter().enumerate() {
+        let Some(tensor) = planned.fields.first().and_then(|f| f.tensor.as_ref()) else {
+            continue;
+        };
+        let frame = Frame::new(&scene.surfaces[index]);
+        let value = |[u, v]: [f64; 2]| field(&[(frame.to_world(u, v), frame.normal)])[0];
+        let of_all: f64 = (tensor.places().into_iter().zip(tensor.areas()))
+            .map(|(place, area)| area * value(place))
+            .sum();
+        let of_few: f64 = (planned.points.iter())
+            .map(|point| point.area * value(planned.samples[point.sample].place))
+            .sum();
+        assert!((of_few / of_all - 1.0).abs() <= 0.2, "{of_few} {of_all}");
+    }
+    let b = scene.surface_named("B").expect("a surface");
+    let frame = Frame::new(&scene.surfaces[b]);
+    let mut worst = 0.0_f64;
+    for k in 0..40 * 40 {
+        let (u, v) = frame.cell_center(k % 40, k / 40, 40, 40);
+        let truth = field(&[(frame.to_world(u, v), frame.normal)])[0];
+        let found = light.resampled(b, [u as f32, v as f32]).expect("light");
+        let found = f64::from(found.expect("a place")[0]);
+        worst = worst.max((found / truth - 1.0).abs());
+    }
+    println!("{samples} samples, {points} points: B within {}", worst);
+    assert!(worst <= 0.05, "{worst}");
 }

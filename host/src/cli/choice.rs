@@ -24,8 +24,9 @@ pub(super) struct RungArguments {
     #[arg(long, value_name = "RUNG")]
     pub(super) visibility: Option<String>,
     /// What shoots reflected light: points (the default of open scenes where they
-    /// hold), linear (of others), isolux (the paper's), layer-cake (nested outlines;
-    /// the power is conserved).
+    /// hold), few-points (as few as surfaces and named points are lit well by, for the
+    /// light as it is), linear (of others), isolux (the paper's), layer-cake (nested
+    /// outlines; the power is conserved).
     #[arg(long, value_name = "RUNG")]
     pub(super) emitters: Option<String>,
     /// How emitter-to-receiver terms are had: exact (the default), codes (written
@@ -68,7 +69,10 @@ const BUILT: [(&str, &[&str]); 6] = [
         ],
     ),
     ("visibility", &["none", "vertex-rays", "exact"]),
-    ("emitters", &["isolux", "layer-cake", "points", "linear"]),
+    (
+        "emitters",
+        &["isolux", "layer-cake", "points", "few-points", "linear"],
+    ),
     ("transfer", &["exact", "codes", "matrix", "vectors"]),
     ("placement", &["isolux", "error"]),
     ("reconstruction", &["cone", "stencil", "tensor"]),
@@ -81,6 +85,8 @@ pub(super) enum Emitters {
     Isolux,
     /// The samples themselves, each for the area around it.
     Points,
+    /// Few of them, each for an area that is fitted to what they light.
+    FewPoints,
     /// What each isolux outline encloses.
     LayerCake,
     /// Patches with linear radiosity.
@@ -112,6 +118,7 @@ impl Emitters {
         match self {
             Self::Isolux => "isolux",
             Self::Points => "points",
+            Self::FewPoints => "few-points",
             Self::LayerCake => "layer-cake",
             Self::Linear => "linear",
         }
@@ -227,7 +234,7 @@ pub(super) fn choices(
         arithmetic,
         transfer,
         placement,
-        points_asked: rungs.emitters.as_deref() == Some("points"),
+        points_asked: matches!(rungs.emitters.as_deref(), Some("points" | "few-points")),
         at_points: flags.at_points,
         for_camera: flags.for_camera,
         sight: match rungs.visibility.as_deref() {
@@ -240,6 +247,7 @@ pub(super) fn choices(
         emitters: match rungs.emitters.as_deref() {
             Some("linear") => Emitters::Linear,
             Some("points") => Emitters::Points,
+            Some("few-points") => Emitters::FewPoints,
             Some("layer-cake") => Emitters::LayerCake,
             Some(_) => Emitters::Isolux,
             None if is_room || by_pairs => Emitters::Linear,
@@ -283,8 +291,10 @@ pub(super) fn reconstruction(plan: &Plan) -> &'static str {
 /// What shoots in a plan; `None` where nothing reflects.
 fn emitters(plan: &Plan) -> Option<Emitters> {
     let any = |holds: fn(&SurfacePlan) -> bool| plan.surfaces.iter().any(holds);
+    let few = |surface: &SurfacePlan| (1..surface.samples.len()).contains(&surface.points.len());
     match () {
         () if plan.is_linear() => Some(Emitters::Linear),
+        () if any(few) => Some(Emitters::FewPoints),
         () if any(|surface| !surface.points.is_empty()) => Some(Emitters::Points),
         () if plan.is_layered() => Some(Emitters::LayerCake),
         () => any(|surface| !surface.bands.is_empty()).then_some(Emitters::Isolux),
@@ -349,12 +359,15 @@ fn ladders_agree(choices: &Choices, rungs: &Rungs, is_room: bool) -> Result<(), 
             ),
             "take placement `isolux`, or emitters `points` or `linear`",
         ),
-        (false, Emitters::Points, _) => (
-            "emitters `points` with placement `isolux`".to_owned(),
+        (false, Emitters::Points | Emitters::FewPoints, _) => (
+            format!(
+                "emitters `{}` with placement `isolux`",
+                choices.emitters.name()
+            ),
             "take placement `error`, or emitters `isolux`",
         ),
-        (true, Emitters::Points, _) if is_room => (
-            "emitters `points` in a room".to_owned(),
+        (true, Emitters::Points | Emitters::FewPoints, _) if is_room => (
+            format!("emitters `{}` in a room", choices.emitters.name()),
             "take emitters `linear`: points stand for surfaces that are far off and in full view",
         ),
         (true, _, Some(true)) => (
@@ -420,7 +433,7 @@ fn integers_suffice(choices: &Choices, needs: &Requirements) -> Result<(), Failu
     } else if choices.emitters == Emitters::Linear {
         let remedy = "take --transfer matrix or --emitters isolux, or leave out --arithmetic";
         ("has linear radiosities", remedy)
-    } else if choices.emitters == Emitters::Points {
+    } else if matches!(choices.emitters, Emitters::Points | Emitters::FewPoints) {
         (
             "has points",
             "leave out --arithmetic, or take --emitters isolux",

@@ -156,6 +156,12 @@ fn place(
     occlusion: Option<&Occlusion>,
     places: &[DVec3],
 ) -> Result<Plan, Failure> {
+    if choices.emitters == Emitters::FewPoints && choices.at_points && !places.is_empty() {
+        return Err(Failure::usage(
+            "few points light surfaces and named points, and not any place that is asked for",
+            "ask with --reconstructed, or take --emitters points",
+        ));
+    }
     let mean = |[r, g, b]: [f64; 3]| (r + g + b) / 3.0;
     let light = |reflections| judge(scene, Reflections::AtMost(reflections));
     let remedy = "change [budget] samples in the scene";
@@ -170,11 +176,18 @@ fn place(
         let plan = match choices.emitters {
             Emitters::Isolux => plan::isolux(scene, &scene.budget, &field).map(Some),
             Emitters::LayerCake => plan::layer_cake(scene, &scene.budget, &field).map(Some),
+            Emitters::FewPoints => plan::error_driven_with_few_points(scene, &scene.budget, &field),
             _ => plan::error_driven(scene, &scene.budget, &field, places),
         };
         progress.finish();
         match plan.map_err(|error| Failure::limit(error, remedy))? {
             Some(plan) => return Ok(plan),
+            None if choices.emitters == Emitters::FewPoints => {
+                return Err(Failure::limit(
+                    "no areas of few points light every surface as well as it is reconstructed",
+                    "raise [budget] samples, or leave out --emitters",
+                ));
+            }
             None if choices.points_asked => {
                 return Err(Failure::limit(
                     "some surface is nearer to another one than its samples are to each other: points do not stand for it",

@@ -59,7 +59,7 @@ pub fn samples(plan: &SamplePlan) -> Result<Picture, PictureError> {
     let tags = tags(plan);
     let size = mark_size(page.map, plan.samples.len());
     for sample in &plan.samples {
-        let kind = tags.iter().position(|tag| *tag == sample.tag).unwrap_or(0);
+        let kind = kind(&tags, &sample.tag);
         let at = page.pixel(sample.position);
         if page.map.meets(&Frame::new(at[0], at[1], 0.0, 0.0), 1.0) {
             Mark::of(kind).draw(&mut page.canvas, at, size);
@@ -103,6 +103,15 @@ fn tags(plan: &SamplePlan) -> Vec<&str> {
         }
     }
     tags
+}
+
+/// The tags of rooms, each with a mark of its own whatever else is there.
+const OF_ROOMS: [&str; 6] = ["lit", "penumbra", "reflected", "contact", "umbra", "view"];
+
+/// Which mark a tag has; others than those of rooms in the order of appearance.
+fn kind(tags: &[&str], tag: &str) -> usize {
+    let place = |all: &[&str]| all.iter().position(|one| *one == tag);
+    place(&OF_ROOMS).or(place(tags)).unwrap_or(0)
 }
 
 /// Faint grey from dim (darker) to bright (nearly white).
@@ -190,7 +199,7 @@ enum Mark {
 }
 
 impl Mark {
-    /// The mark of the tag that appeared as the `kind`-th, from 0.
+    /// The mark of a [`kind`] of tag.
     fn of(kind: usize) -> Self {
         const MARKS: [Mark; 6] = [
             Mark::Disc([0, 114, 178]),
@@ -285,7 +294,8 @@ fn legend(
     if !tags.is_empty() {
         heading(canvas, &mut y, "samples");
     }
-    for (kind, tag) in tags.iter().enumerate() {
+    for tag in tags {
+        let kind = kind(tags, tag);
         let count = plan.samples.iter().filter(|mark| mark.tag == *tag).count();
         Mark::of(kind).draw(canvas, [room.x + 12.0, y], 1.0);
         let left = room.x + 30.0;

@@ -47,8 +47,9 @@ pub(super) fn tables(
 }
 
 impl<'t> Judge<'t> {
-    pub(super) fn of(tables: &'t Tables, sight: Sight) -> Result<Self, Error> {
-        let solved = solve::solve(tables, Rung::default(), sight, Stop::below(UNSHOT));
+    /// Lit until `stop`, which is to let every patch shoot in turn ([`super::in_turn`]).
+    pub(super) fn of(tables: &'t Tables, sight: Sight, stop: Stop) -> Result<Self, Error> {
+        let solved = solve::solve(tables, Rung::default(), sight, stop);
         Ok(Self {
             light: solved.map_err(Error::Kernel)?,
             sight,

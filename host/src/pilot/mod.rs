@@ -6,6 +6,7 @@
 //! host alone, tell what those of the plan miss, and what it errs by in the end.
 
 mod judge;
+mod settle;
 
 use crate::bake::{self, Tables};
 use crate::occlusion::Occlusion;
@@ -21,6 +22,12 @@ use std::ops::Range;
 
 /// The part of the emitted power that the first solution leaves unshot.
 const UNSHOT: f32 = 0.003;
+
+/// The part that a device leaves unshot where nothing else is said.
+const SETTLED: f32 = 0.001;
+
+/// How often light is reflected at the most where every patch shoots in turn.
+const REFLECTIONS: f64 = 40.0;
 
 /// Bytes of flash that the tables of a room take at the most where nothing else is said:
 /// what the device of `memory.x` has beside 96 KiB of code.
@@ -176,10 +183,10 @@ pub fn room(
     };
     let (draft, fine) = drafts.map_err(Error::Samples)?;
     let tables = bake::bake(scene, &draft, occlusion.cloned()).map_err(Error::TooLarge)?;
-    let stop = Stop::below(UNSHOT);
-    let light = solve::solve(&tables, Rung::default(), sight, stop).map_err(Error::Kernel)?;
+    let light = solve::solve(&tables, Rung::default(), sight, in_turn(scene));
+    let light = light.map_err(Error::Kernel)?;
     let of_judge = judge::tables(scene, &fine, occlusion)?;
-    let judge = Judge::of(&of_judge, sight)?;
+    let judge = Judge::of(&of_judge, sight, in_turn(scene))?;
     let luminaires = tables.counts.luminaires as usize;
     let all = tables.counts.emitters as usize;
     let terms = |places: &plan::room::Places, emitters: Range<usize>, sight| {
@@ -207,6 +214,11 @@ pub fn room(
     let exact = |plan: &Plan| bake::bake(scene, plan, occlusion.cloned());
     let mut plan = fitting(&room, budget, manner.bake.unwrap_or(&exact))?;
     let tables = exact(&plan).map_err(Error::TooLarge)?;
+    // As the device will stop.
+    let light = solve::solve(&tables, Rung::default(), sight, Stop::below(SETTLED));
+    let light = light.map_err(Error::Kernel)?;
+    settle::scale(&mut plan, &room, &light, &known);
+    let tables = exact(&plan).map_err(Error::TooLarge)?;
     judge::tried(scene, &mut plan, &tables, sight, &known)?;
     Ok(plan)
 }
@@ -224,6 +236,23 @@ fn fitting(room: &Room<'_>, budget: &Budget, bake: &Bake<'_>) -> Result<Plan, Er
         plan = room.plan(budget, Some(of_meshes)).map_err(Error::Room)?;
     }
     Ok(plan)
+}
+
+/// When all patches have shot in turn until less than [`UNSHOT`] is left.
+///
+/// Where the brightest shoots, one that is small shoots once, early, and what its
+/// radiosity varies by is then not what it becomes: at the foot of something, where the
+/// nearest patch is all that is seen, light would be missing.
+fn in_turn(scene: &Scene) -> Stop {
+    let (mut area, mut reflecting) = (0.0, 0.0);
+    for surface in scene.surfaces.iter().filter(|surface| surface.reflects()) {
+        let most = surface.reflectance.into_iter().fold(0.0, f64::max);
+        area += surface.area;
+        reflecting += most * surface.area;
+    }
+    let mean = (reflecting / area.max(f64::MIN_POSITIVE)).clamp(0.01, 0.99);
+    let times = (f64::from(UNSHOT).ln() / mean.ln()).ceil();
+    Stop::Reflections(times.clamp(1.0, REFLECTIONS) as u32)
 }
 
 /// As the kernel takes places.

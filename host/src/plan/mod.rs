@@ -27,7 +27,7 @@ mod spacing;
 
 use crate::scene::frame::Frame;
 use crate::scene::{Budget, Scene, Surface};
-pub use error::error_driven;
+pub use error::{error_driven, error_driven_with_few_points};
 use fields::Field as Term;
 use glam::DVec3;
 use patches::Patch;
@@ -201,8 +201,13 @@ pub enum Tag {
     Lit,
     /// Where a luminaire is seen in part.
     Penumbra,
-    /// Where reflected light changes, for reflected light.
+    /// Near the line where something touches the surface, for reflected light.
     Contact,
+    /// Where luminaires would be seen and all of them are hidden, for reflected light: all
+    /// light there is.
+    Umbra,
+    /// For the camera, for reflected light: without it the sample would be elsewhere.
+    View,
 }
 
 /// Which light reaches a sample.
@@ -220,7 +225,7 @@ pub enum Receives {
 
 impl Tag {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::Edge,
         Self::Isolux,
         Self::Peak,
@@ -230,6 +235,8 @@ impl Tag {
         Self::Lit,
         Self::Penumbra,
         Self::Contact,
+        Self::Umbra,
+        Self::View,
     ];
 
     /// The tag of that name.
@@ -249,6 +256,8 @@ impl Tag {
             Self::Lit => "lit",
             Self::Penumbra => "penumbra",
             Self::Contact => "contact",
+            Self::Umbra => "umbra",
+            Self::View => "view",
         }
     }
 
@@ -258,7 +267,7 @@ impl Tag {
             Self::Edge | Self::Isolux | Self::Peak | Self::Grid => Receives::All,
             Self::Lit => Receives::Unshadowed,
             Self::Direct | Self::Penumbra => Receives::Direct,
-            Self::Reflected | Self::Contact => Receives::Reflected,
+            Self::Reflected | Self::Contact | Self::Umbra | Self::View => Receives::Reflected,
         }
     }
 }

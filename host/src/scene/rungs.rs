@@ -32,7 +32,7 @@ pub const LADDERS: [Ladder; 6] = [
     },
     Ladder {
         name: "emitters",
-        rungs: &["isolux", "layer-cake", "points", "linear"],
+        rungs: &["isolux", "layer-cake", "points", "few-points", "linear"],
     },
     Ladder {
         name: "transfer",

@@ -80,6 +80,7 @@ pub(crate) mod check;
 mod coded;
 pub mod fields;
 pub(crate) mod matrix;
+mod point;
 mod received;
 pub mod records;
 

@@ -46,8 +46,10 @@ impl<'t> Scene<'t> {
             return dark;
         };
         let shape = self.shapes.get(index);
-        if let Some(shape) = shape.filter(|_| emitter.loops == 0) {
-            return Bracket::exactly(self.of_point(receiver, emitter, shape, radiosity));
+        if let Some(point) = self.point_source(index) {
+            let parallel = point.is_parallel(receiver.normal());
+            let factor = point.factor(receiver, parallel);
+            return Bracket::exactly(radiosity.received(factor, || [0.0; 2]));
         }
         let occluded =
             V::CAPACITIES.occluders && !unshadowed && shape.is_some_and(|shape| shape.blockers > 0);
@@ -86,24 +88,6 @@ impl<'t> Scene<'t> {
             total = total.plus(whole.of::<A, L>(looked, parts, outline, corners, radiosity));
         }
         total
-    }
-
-    /// What a receiver gets from an emitter that is a point: B A cos θ_r cos θ_e /
-    /// (π r²), A being the area it stands for. It stands for it where the receiver
-    /// is farther than the points are from each other.
-    #[inline(always)]
-    fn of_point<L: Luminance>(
-        &self,
-        receiver: &Receiver<f32>,
-        emitter: &Emitter,
-        shape: &Shape,
-        radiosity: L,
-    ) -> L::Colour {
-        let factor = match self.facing(receiver, emitter) {
-            Some(facing) => facing.point(receiver, shape, emitter.area),
-            None => 0.0,
-        };
-        radiosity.received(factor, || [0.0; 2])
     }
 
     /// What can hide an emitter.

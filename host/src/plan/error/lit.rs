@@ -3,6 +3,7 @@
 use super::super::Field;
 use super::super::fields::tensor::{Nodes, Tensor};
 use super::at;
+use super::few::Row;
 use crate::scene::Scene;
 use crate::scene::frame::Frame;
 use glam::DVec3;
@@ -21,6 +22,8 @@ pub(super) struct Lit {
 }
 
 struct Probe {
+    /// The surface it is on; that of the points themselves where it is on none.
+    surface: usize,
     position: DVec3,
     normal: DVec3,
     total: f64,
@@ -48,6 +51,7 @@ impl Lit {
             probes.extend(places.iter().zip(totals).map(|(&[u, v], total)| {
                 let (position, normal) = (its.to_world(u, v), its.normal);
                 Probe {
+                    surface: other,
                     position,
                     normal,
                     total,
@@ -62,6 +66,57 @@ impl Lit {
             probe.total /= rho;
         }
         Self { probes }
+    }
+
+    /// With the named points of the scene.
+    pub(super) fn and_points(
+        mut self,
+        scene: &Scene,
+        index: usize,
+        frame: &Frame,
+        total: &Field<'_>,
+    ) -> Self {
+        let dense = Tensor::over(frame, Nodes::Gauss, [DENSE; 2], None);
+        let values = at(frame, &dense.places(), total);
+        let rho = scene.surfaces[index].reflectance[0];
+        self.probes.extend(scene.points.iter().map(|point| {
+            let (position, normal) = (point.position, point.normal);
+            let total = total(&[(position, normal)]).first().copied();
+            Probe {
+                surface: index,
+                position,
+                normal,
+                total: total.unwrap_or(0.0) / rho,
+                exact: sent(frame, &dense, &values, position, normal),
+                power: 0.0,
+            }
+        }));
+        self
+    }
+
+    /// What every place receives of samples with these values, for a unit of area each,
+    /// and of the surface in truth, both over the error that the place may have: the
+    /// relative one of its surface by `allowed`. Places that are dark are none.
+    pub(super) fn rows(
+        &self,
+        frame: &Frame,
+        tensor: &Tensor,
+        values: &[f64],
+        allowed: &dyn Fn(usize) -> f64,
+    ) -> Vec<Row> {
+        let places = tensor.places();
+        let lit = self.probes.iter().filter(|probe| probe.total > 0.0);
+        lit.map(|probe| {
+            let scale = 1.0 / (probe.total * allowed(probe.surface));
+            let of_sample = |(&place, value): (&[f64; 2], &f64)| {
+                scale * value * kernel(frame, place, probe.position, probe.normal)
+            };
+            Row {
+                of_samples: places.iter().zip(values).map(of_sample).collect(),
+                wanted: scale * probe.exact,
+            }
+        })
+        .collect()
     }
 
     /// The largest relative error that points with these values cause anywhere.
@@ -89,10 +144,14 @@ impl Lit {
 fn sent(frame: &Frame, tensor: &Tensor, values: &[f64], place: DVec3, normal: DVec3) -> f64 {
     let nodes = tensor.places().into_iter().zip(tensor.areas()).zip(values);
     nodes
-        .map(|(([u, v], area), value)| {
-            let to = frame.to_world(u, v) - place;
-            let cosines = to.dot(normal).max(0.0) * (-to.dot(frame.normal)).max(0.0);
-            value * area * cosines / (PI * to.length_squared().powi(2))
-        })
+        .map(|((node, area), value)| value * area * kernel(frame, node, place, normal))
         .sum()
+}
+
+/// What a place receives of a square metre at a place (u, v) of a surface, for a radiosity
+/// of 1: cos θ cos θ' / (π r²).
+fn kernel(frame: &Frame, [u, v]: [f64; 2], place: DVec3, normal: DVec3) -> f64 {
+    let to = frame.to_world(u, v) - place;
+    let cosines = to.dot(normal).max(0.0) * (-to.dot(frame.normal)).max(0.0);
+    cosines / (PI * to.length_squared().powi(2))
 }

@@ -5,7 +5,10 @@
 //! with as few samples. The budget then goes, a step at a time, to the surface whose
 //! error weighs most: an error counts with the power that the surface receives.
 
+mod few;
 mod lit;
+mod polish;
+mod stand;
 
 use super::fields::Field as Term;
 use super::fields::tensor::{Nodes, Tensor};
@@ -14,6 +17,7 @@ use crate::scene::frame::Frame;
 use crate::scene::{Budget, Scene};
 use glam::DVec3;
 use lit::Lit;
+use stand::{grids_are_surfaces, points_are_far};
 use std::f64::consts::PI;
 
 /// Nodes along a side of a tensor grid.
@@ -30,16 +34,9 @@ const WELL: f64 = 0.005;
 /// largest irradiance.
 const FAINT: f64 = 1e-3;
 
-/// Steps, of half the interval, in which nodes are drawn out and moved.
-const POLISHED: [f64; 4] = [0.08, 0.04, 0.02, 0.01];
-
 /// The largest relative error of what points light with which they stand for their
 /// surface.
 const GOOD: f64 = 0.003;
-
-/// Distance of a place that nobody planned for from points that shoot, in distances
-/// between them, from which on the same can be said.
-const FAR: f64 = 1.2;
 
 /// Surfaces up to which each of them is tried as what lights the others; in larger
 /// scenes only luminaires are.
@@ -49,12 +46,14 @@ const FEW: usize = 4;
 #[derive(Clone, Debug)]
 struct Candidate {
     tensor: Tensor,
-    /// The largest relative error, and that which its points cause on what they
-    /// light, as far as that counts beside the surface itself.
+    /// The largest relative error, and the largest that its points cause on what they
+    /// light.
     error: f64,
+    /// The same with what its points cause as a part of the surface's own power.
+    loss: f64,
     /// The root of the mean square relative error over the surface.
     rms: f64,
-    /// What its points cause.
+    /// What its points cause, as a part of the surface's own power.
     caused: f64,
 }
 
@@ -74,30 +73,62 @@ pub fn error_driven(
     total: &Field<'_>,
     places: &[DVec3],
 ) -> Result<Option<Plan>, Unplannable> {
+    let (plan, relative) = planned(scene, budget, total, |ladder| ladder.judge.power)?;
+    let named = scene.points.iter().map(|point| point.position);
+    let places: Vec<DVec3> = named.chain(places.iter().copied()).collect();
+    let stand = grids_are_surfaces(scene, &plan) && points_are_far(scene, &plan, &places);
+    Ok((relative <= GOOD && stand).then_some(plan))
+}
+
+/// Plans such a scene as [`error_driven`] does, with few of the samples as what shoots: as
+/// many as light all other surfaces and the named points with twice the rms error that
+/// these are reconstructed with, or 0.3 %, each for an area that is fitted to what arrives there.
+///
+/// The budget is divided by errors as the predicted error counts them, by area and not by
+/// power: what shoots is few, and a sample more is dear on any surface. Areas of points are
+/// those of the light that `total` gives, and of surfaces and named points alone:
+/// what is elsewhere may be lit less well. `None` where no areas suffice.
+///
+/// # Errors
+/// As [`error_driven`].
+pub fn error_driven_with_few_points(
+    scene: &Scene,
+    budget: &Budget,
+    total: &Field<'_>,
+) -> Result<Option<Plan>, Unplannable> {
+    let (mut plan, _) = planned(scene, budget, total, |ladder| ladder.area)?;
+    let suffice = grids_are_surfaces(scene, &plan) && few::shoot(scene, &mut plan, total);
+    Ok(suffice.then_some(plan))
+}
+
+/// The plan whose samples all shoot, and the largest relative error that they cause
+/// on what they light. An error counts as much as `counts` says of its surface.
+fn planned(
+    scene: &Scene,
+    budget: &Budget,
+    total: &Field<'_>,
+    counts: fn(&Ladder<'_>) -> f64,
+) -> Result<(Plan, f64), Unplannable> {
     let ladders: Vec<Option<Ladder<'_>>> = scene
         .surfaces
         .iter()
         .enumerate()
         .map(|(k, surface)| surface.reflects().then(|| Ladder::new(scene, k, total)))
         .collect();
-    let chosen = divide(&ladders, budget)?;
-    let mut points_do = true;
+    let chosen = divide(&ladders, budget, counts)?;
+    let mut most = 0.0_f64;
     let surfaces: Vec<SurfacePlan> = (scene.surfaces.iter().zip(&ladders))
         .zip(&chosen)
         .map(|((surface, ladder), &step)| match ladder {
             Some(ladder) => {
                 let (planned, relative) = ladder.plan(step);
-                points_do &= relative <= GOOD;
+                most = most.max(relative);
                 planned
             }
             None => SurfacePlan::without_samples(Frame::new(surface)),
         })
         .collect();
-    let plan = Plan::from(surfaces);
-    let named = scene.points.iter().map(|point| point.position);
-    let places: Vec<DVec3> = named.chain(places.iter().copied()).collect();
-    points_do &= points_stand_for_surfaces(scene, &plan, &places);
-    Ok(points_do.then_some(plan))
+    Ok((Plan::from(surfaces), most))
 }
 
 /// The candidates of one surface, the number of samples rising and the error
@@ -144,6 +175,7 @@ impl<'a> Judge<'a> {
         }
         let values = at(&self.frame, &grid.places(), self.total);
         let caused = self.lit.error(&self.frame, grid, &values) / self.power;
+        let relative = self.lit.relative(&self.frame, grid, &values);
         let candidate = |&factor: &Option<[f64; 3]>| {
             let tensor = Tensor {
                 factor,
@@ -152,39 +184,13 @@ impl<'a> Judge<'a> {
             let (worst, rms) = errors(&tensor, &values, &self.places, &self.truth)?;
             Some(Candidate {
                 tensor,
-                error: worst + caused,
+                error: worst + relative,
+                loss: worst + caused,
                 rms,
                 caused,
             })
         };
         factors.iter().filter_map(candidate).collect()
-    }
-
-    /// The same grid with its nodes moved as a whole and drawn out or together along
-    /// each axis, as far as that lessens the error.
-    fn polished(&self, candidate: &Candidate) -> Candidate {
-        let mut best = candidate.clone();
-        for step in POLISHED {
-            for axis in 0..2 {
-                for (stretch, shift) in [(step, 0.0), (-step, 0.0), (0.0, step), (0.0, -step)] {
-                    let mut grid = best.tensor.clone();
-                    for t in &mut grid.nodes[axis] {
-                        *t = (*t * (1.0 + stretch) + shift).clamp(-1.0, 1.0);
-                    }
-                    let distinct = grid.nodes[axis].windows(2).all(|pair| pair[0] < pair[1]);
-                    if !distinct {
-                        continue;
-                    }
-                    let factor = best.tensor.factor;
-                    for moved in self.candidates(&grid, &[factor]) {
-                        if moved.error < best.error {
-                            best = moved;
-                        }
-                    }
-                }
-            }
-        }
-        best
     }
 }
 
@@ -325,7 +331,11 @@ pub(super) fn factors(scene: &Scene, index: usize, frame: &Frame) -> Vec<Option<
 }
 
 /// Which candidate every surface takes.
-fn divide(ladders: &[Option<Ladder<'_>>], budget: &Budget) -> Result<Vec<usize>, Unplannable> {
+fn divide(
+    ladders: &[Option<Ladder<'_>>],
+    budget: &Budget,
+    counts: fn(&Ladder<'_>) -> f64,
+) -> Result<Vec<usize>, Unplannable> {
     let count = |chosen: &[usize]| -> u64 {
         let each = ladders.iter().zip(chosen).map(|(ladder, &step)| {
             let steps = ladder.as_ref().map(|ladder| &ladder.steps);
@@ -351,15 +361,11 @@ fn divide(ladders: &[Option<Ladder<'_>>], budget: &Budget) -> Result<Vec<usize>,
     let mut open: Vec<usize> = (0..ladders.len())
         .filter(|&k| ladders[k].is_some())
         .collect();
-    let most = ladders
-        .iter()
-        .flatten()
-        .map(|l| l.judge.power)
-        .fold(0.0, f64::max);
+    let most = ladders.iter().flatten().map(counts).fold(0.0, f64::max);
     let loss = |k: usize, step: usize| {
         let ladder = ladders[k].as_ref();
         ladder.map_or(0.0, |ladder| {
-            ladder.steps[step].error * ladder.judge.power / most.max(f64::MIN_POSITIVE)
+            ladder.steps[step].loss * counts(ladder) / most.max(f64::MIN_POSITIVE)
         })
     };
     while let Some(&worst) = open
@@ -383,39 +389,4 @@ fn divide(ladders: &[Option<Ladder<'_>>], budget: &Budget) -> Result<Vec<usize>,
         }
     }
     Ok(chosen)
-}
-
-/// Whether surfaces are what their grids cover, and the points are farther from all
-/// places asked for than [`FAR`] times their distance from each other.
-fn points_stand_for_surfaces(scene: &Scene, plan: &Plan, places: &[DVec3]) -> bool {
-    plan.surfaces.iter().enumerate().all(|(index, planned)| {
-        let Some(tensor) = planned
-            .fields
-            .first()
-            .and_then(|field| field.tensor.as_ref())
-        else {
-            return true;
-        };
-        let rectangle = planned.frame.size_u * planned.frame.size_v;
-        if (scene.surfaces[index].area - rectangle).abs() > 1e-6 * rectangle {
-            return false;
-        }
-        let gap = |axis: usize| {
-            let nodes = tensor.nodes[axis].windows(2);
-            nodes.map(|pair| pair[1] - pair[0]).fold(0.0, f64::max) * tensor.half[axis]
-        };
-        let near = FAR * gap(0).max(gap(1));
-        let points: Vec<DVec3> = tensor
-            .places()
-            .iter()
-            .map(|&[u, v]| planned.frame.to_world(u, v))
-            .collect();
-        let normal = planned.frame.normal;
-        let flat = scene.plane_tolerance();
-        let far = |place: &DVec3| {
-            let above = (*place - planned.frame.origin).dot(normal) > flat;
-            !above || points.iter().all(|point| point.distance(*place) >= near)
-        };
-        places.iter().all(far)
-    })
 }

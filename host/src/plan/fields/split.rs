@@ -6,7 +6,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// How far towards the middle of its triangles a place is looked at: what lies
 /// exactly in the plane of an adjoining surface gets nothing from it.
-pub const INSET: f64 = 0.03;
+const INSET: f64 = 0.03;
+
+/// The same, as a part of the shortest edge: where the light turns about a corner, and
+/// triangles become small, a place must not wander with them.
+const NEAREST: f64 = 0.05;
 
 /// A pass splits the edges at which this part of the largest loss is, or more.
 const A_PASS: f64 = 0.3;
@@ -29,6 +33,10 @@ pub struct Split {
     losses: Vec<f64>,
     /// The triangles that were there.
     whole: Vec<[usize; 3]>,
+    /// Where each corner is looked at, as it was when it was put there.
+    looked: Vec<[f64; 2]>,
+    /// How far from corners and middles of edges that is, in metres at the most.
+    inset: f64,
 }
 
 /// What is looked for at a place: a value, and how much an error of 1 in it counts.
@@ -71,9 +79,14 @@ pub fn split(
         places,
         whole: triangles.clone(),
         triangles,
+        looked: Vec::new(),
+        inset: NEAREST * fine.shortest,
     };
-    let inside = split.inside();
-    let mut values: Vec<f64> = look(&inside).iter().map(|found| found.value).collect();
+    split.looked = split.beside();
+    let mut values: Vec<f64> = look(&split.looked)
+        .iter()
+        .map(|found| found.value)
+        .collect();
     // What was found in the middles of edges, and how much it errs.
     let mut known: BTreeMap<[usize; 2], (f64, f64, f64)> = BTreeMap::new();
     for _ in 0..PASSES {
@@ -113,7 +126,8 @@ pub fn split(
             let around = &edges[&edge];
             if around.iter().all(|triangle| !touched.contains(triangle)) {
                 touched.extend(around.iter().copied());
-                split.at(edge, around, loss);
+                let looked = split.middle(edge, around);
+                split.at(edge, around, loss, looked);
                 values.push(known[&edge].0);
             }
         }
@@ -156,16 +170,23 @@ impl Split {
     fn middle(&self, edge: [usize; 2], around: &[usize]) -> [f64; 2] {
         let [a, b] = edge.map(|k| DVec2::from(self.places[k]));
         let sum: DVec2 = around.iter().map(|&triangle| self.centre(triangle)).sum();
-        a.midpoint(b).lerp(sum / around.len() as f64, INSET).into()
+        self.inset(a.midpoint(b), sum / around.len() as f64).into()
+    }
+
+    /// A little from a place towards another.
+    fn inset(&self, place: DVec2, towards: DVec2) -> DVec2 {
+        let way = (towards - place) * INSET;
+        place + way.clamp_length_max(self.inset)
     }
 
     /// Puts a corner in the middle of an edge, which lessens the loss by so much.
-    fn at(&mut self, edge: [usize; 2], around: &[usize], loss: f64) {
+    fn at(&mut self, edge: [usize; 2], around: &[usize], loss: f64, looked: [f64; 2]) {
         let [a, b] = edge.map(|k| DVec2::from(self.places[k]));
         let middle = self.places.len();
         self.places.push(a.midpoint(b).into());
         self.ends.push(Some(edge));
         self.losses.push(loss);
+        self.looked.push(looked);
         for &triangle in around {
             let corners = self.triangles[triangle];
             let with = |old: usize| corners.map(|k| if k == old { middle } else { k });
@@ -216,8 +237,14 @@ impl Split {
         triangles
     }
 
-    /// Where the corners are looked at.
+    /// Where the corners are looked at: always where their values were taken when they were
+    /// put there. At a corner of what stands on a surface the light turns about it.
     pub fn inside(&self) -> Vec<[f64; 2]> {
+        self.looked.clone()
+    }
+
+    /// A little from every corner towards the middle of its triangles.
+    fn beside(&self) -> Vec<[f64; 2]> {
         let mut sums = vec![(DVec2::ZERO, 0.0); self.places.len()];
         for (k, triangle) in self.triangles.iter().enumerate() {
             let centre = self.centre(k);
@@ -229,7 +256,7 @@ impl Split {
         let inside = self.places.iter().zip(sums).map(|(&place, (sum, count))| {
             let place = DVec2::from(place);
             match count > 0.0 {
-                true => place.lerp(sum / count, INSET).into(),
+                true => self.inset(place, sum / count).into(),
                 false => place.into(),
             }
         });
@@ -288,6 +315,7 @@ mod tests {
         let few = Split {
             triangles: split.coarser(20),
             places: split.places[..20].to_vec(),
+            looked: split.looked[..20].to_vec(),
             ..split.clone()
         };
         assert!((few.areas().iter().sum::<f64>() - 1.0).abs() < 1e-12);

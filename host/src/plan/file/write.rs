@@ -37,7 +37,8 @@ const PREDICTED: &str = "\
 const SAMPLES: &str = "\
 # Samples [u, v, tag]; where a vertex of an emitter is another place, [u, v, tag, u, v].
 # Tags: unshadowed light at \"lit\", then direct light at \"direct\" and \"penumbra\", then
-# reflected light at \"reflected\" and \"contact\"; or all light at the others.
+# reflected light at \"reflected\", \"contact\" (at the foot of something), \"umbra\" (where all
+# else is hidden) and \"view\" (for the camera); or all light at the others.
 ";
 
 const POINTS: &str = "\

@@ -137,6 +137,17 @@ pub fn look<'a>(scene: &'a Scene, known: &'a Known<'a>) -> Result<Room<'a>, Erro
 }
 
 impl Room<'_> {
+    /// Where the nodes of a surface's reflected light are looked at, with its normal; those
+    /// that were put there first come first.
+    pub fn looked_at(&self, surface: usize) -> Vec<(DVec3, DVec3)> {
+        let looked = self.surfaces.get(surface).and_then(Option::as_ref);
+        let reflected = looked.and_then(|surface| surface.reflected.as_ref());
+        let frame = Frame::new(&self.scene.surfaces[surface]);
+        let places = reflected.map_or(Vec::new(), |reflected| reflected.split.inside());
+        let in_space = |[u, v]: [f64; 2]| (frame.to_world(u, v), frame.normal);
+        places.into_iter().map(in_space).collect()
+    }
+
     /// Plans it with so many bytes of meshes in flash at the most, or a little more
     /// where the coarsest ones take more.
     ///
@@ -238,21 +249,22 @@ impl Surface {
         let mut splits = Vec::new();
         let mut samples: Vec<Sample> = Vec::new();
         let mut fields: Vec<Term> = Vec::new();
-        let mut add = |places: &[[f64; 2]], tag| {
+        let mut add = |places: &[[f64; 2]], tag: &dyn Fn(usize) -> Tag| {
             let first = samples.len();
-            samples.extend(places.iter().map(|&place| Sample {
+            let tagged = places.iter().enumerate();
+            samples.extend(tagged.map(|(k, &place)| Sample {
                 place,
                 vertex: place,
-                tag,
+                tag: tag(k),
             }));
             first
         };
         if let Some(direct) = &self.direct {
             let mut tensor = direct.tensor(grid);
-            tensor.first = add(&tensor.places(), Tag::Lit);
+            tensor.first = add(&tensor.places(), &|_| Tag::Lit);
             let mesh = direct.mesh(shadow).map(|(places, mut mesh, split)| {
                 splits.push(split);
-                mesh.first = add(&places, Tag::Penumbra);
+                mesh.first = add(&places, &|_| Tag::Penumbra);
                 mesh
             });
             fields.push(Term {
@@ -262,7 +274,7 @@ impl Surface {
         }
         if let Some(of_patches) = &self.reflected {
             let (places, mut mesh) = of_patches.mesh(reflected);
-            mesh.first = add(&places, Tag::Reflected);
+            mesh.first = add(&places, &|k| of_patches.tag(k, places.len()));
             splits.push(&of_patches.split);
             fields.push(Term {
                 tensor: None,

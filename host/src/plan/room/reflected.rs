@@ -5,7 +5,7 @@ use super::super::fields::split::{Fine, Found, Split, split};
 use super::super::fields::{Mesh, Node, shares};
 use super::super::shadow::{Floor, Lines, Mesh as Outlined, Options};
 use super::ladder::Step;
-use super::{Known, Places};
+use super::{Known, Places, Tag};
 use crate::scene::polygon::point_to_segment;
 use glam::{DVec2, DVec3};
 
@@ -25,6 +25,10 @@ const MOST: usize = 200;
 /// A node's reflected light is corrected by no more than this factor.
 const CORRECTION: f64 = 2.0;
 
+/// How near to the foot of something a sample is there for it, as a part of the surface's
+/// size.
+const AT_FOOT: f64 = 0.05;
+
 /// Samples that a node's value is chosen from: the nearest.
 const NEAREST: usize = 24;
 
@@ -41,6 +45,10 @@ pub(super) struct Reflected {
     corrections: Vec<f64>,
     /// Nodes in the order in which they become samples.
     order: Vec<usize>,
+    /// The same if all places counted alike; none where they do.
+    without_camera: Vec<usize>,
+    /// Why nodes would be samples, but for the camera.
+    tags: Vec<Tag>,
 }
 
 /// Where the nodes of the tables go: as the vertices, but those on the surface's own
@@ -75,6 +83,23 @@ pub(super) fn is_cut(floor: &Floor, from: [f64; 2], to: [f64; 2]) -> bool {
         let side = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p);
         side(a, b, from) * side(a, b, to) < 0.0 && side(from, to, a) * side(from, to, b) < 0.0
     })
+}
+
+/// Whether a place is nearer than this to the foot of something.
+fn is_at_foot(floor: &Floor, place: [f64; 2], near: f64) -> bool {
+    let at = DVec2::from(place);
+    let distance = |ends: [[f64; 2]; 2]| {
+        let [a, b] = ends.map(DVec2::from);
+        point_to_segment(at, a, b)
+    };
+    floor
+        .contacts
+        .iter()
+        .any(|line| distance(line.ends) <= near)
+}
+
+fn nodes_of(order: Vec<(usize, f64)>) -> Vec<usize> {
+    order.into_iter().map(|(node, _)| node).collect()
 }
 
 /// Places of a surface in space, with its normal.
@@ -128,9 +153,11 @@ impl Reflected {
         let split = split(vertices, triangles, &look, fine);
         let inside = split.inside();
         let places = in_space(floor, &inside);
-        let areas = weighed(&split.areas(), &places, known);
+        let alike = split.areas();
+        let areas = weighed(&alike, &places, known);
         let parts = (known.reflected)(&places);
         let direct = sums(&(known.direct)(&places));
+        let whole = sums(&(known.unshadowed)(&places));
         let patches = known.patches();
         let rows: Vec<Vec<f64>> = parts
             .iter()
@@ -163,6 +190,17 @@ impl Reflected {
             })
             .collect();
         let found = shares::order(&relative, &areas, MOST);
+        let without_camera = match areas == alike {
+            true => Vec::new(),
+            false => nodes_of(shares::order(&relative, &alike, MOST)),
+        };
+        let near = AT_FOOT * area.sqrt();
+        let tags = (0..inside.len()).map(|k| match () {
+            () if is_at_foot(floor, inside[k], near) => Tag::Contact,
+            () if whole[k] > 1e-9 * brightest && direct[k] <= 1e-9 * whole[k] => Tag::Umbra,
+            () => Tag::Reflected,
+        });
+        let tags = tags.collect();
         let area = areas.iter().sum();
         let steps = found.iter().enumerate().map(|(k, &(_, loss))| Step {
             samples: k + 1,
@@ -176,8 +214,22 @@ impl Reflected {
             inside,
             rows,
             corrections,
-            order: found.into_iter().map(|(node, _)| node).collect(),
+            order: nodes_of(found),
+            without_camera,
+            tags,
         })
+    }
+
+    /// Why one of the first `count` samples is there.
+    pub(super) fn tag(&self, sample: usize, count: usize) -> Tag {
+        let Some(&node) = self.order.get(sample) else {
+            return Tag::Reflected;
+        };
+        let before = &self.without_camera[..count.min(self.without_camera.len())];
+        match self.without_camera.is_empty() || before.contains(&node) {
+            true => self.tags[node],
+            false => Tag::View,
+        }
     }
 
     /// The samples and the mesh of a step.
