@@ -29,7 +29,8 @@ fn main() {
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return;
     }
-    memories(&memory, &out);
+    fs::copy(&memory, out.join("memory.x")).expect("memory.x is copied beside the linker script");
+    println!("cargo::rustc-link-search={}", out.display());
     for argument in ["--nmagic", "-Tlink.x"] {
         println!("cargo::rustc-link-arg-bins={argument}");
     }
@@ -47,34 +48,6 @@ fn main() {
         Ok(source) => fs::write(out.join("job.rs"), source).expect("OUT_DIR is writable"),
         Err(message) => println!("cargo::error={message}"),
     }
-}
-
-/// Gives every program the device's memory. The proof alone, which holds all types of the
-/// kernel at once as no firmware does, has the whole flash of the emulated boards.
-fn memories(memory: &Path, out: &Path) {
-    let device = fs::read_to_string(memory).expect("memory.x is read");
-    let whole = |line: &str| match (line.contains("FLASH"), line.split_once("LENGTH")) {
-        (true, Some((before, _))) => format!("{before}LENGTH = 4M\n"),
-        _ => format!("{line}\n"),
-    };
-    let board: String = device.lines().map(whole).collect();
-    assert_ne!(device, board, "memory.x says how much flash there is");
-    for (name, text) in [("device", device), ("board", board)] {
-        let directory = out.join(name);
-        fs::create_dir_all(&directory).expect("OUT_DIR is writable");
-        fs::write(directory.join("memory.x"), text).expect("OUT_DIR is writable");
-    }
-    for program in ["firmware", "cost", "relight", "hashes", "rung", "yours"] {
-        let directory = out.join("device");
-        println!(
-            "cargo::rustc-link-arg-bin={program}=-L{}",
-            directory.display()
-        );
-    }
-    println!(
-        "cargo::rustc-link-arg-bin=proof=-L{}",
-        out.join("board").display()
-    );
 }
 
 /// An environment variable, watched for changes.

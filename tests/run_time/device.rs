@@ -120,7 +120,8 @@ fn judged(what: &str, tables: &[u8], relit: &Relit, expected: &[u32]) {
     assert!(relit.update < relit.solve);
 }
 
-/// Without FPU, in integers: a quarter more than a core with one takes in `f32`.
+/// Without FPU, in integers: a quarter more than a core with one takes in `f32`, a sixteenth of
+/// it for the gradients of what is left.
 #[test]
 fn a_dimming_in_integers_costs_few_instructions_without_fpu() {
     fn of<F: Format>(arithmetic: &str) {
@@ -129,7 +130,7 @@ fn a_dimming_in_integers_costs_few_instructions_without_fpu() {
         let expected = expected_in_integers::<F, integers::Matrix<8>>(tables);
         if let Some(relit) = relit(tables, arithmetic, Core::CortexM3) {
             judged(&format!("matrix, {arithmetic}"), tables, &relit, &expected);
-            assert!(relit.update <= 6_000_000, "{}", relit.update);
+            assert!(relit.update <= 6_400_000, "{}", relit.update);
         }
     }
     of::<Q29>("q29");

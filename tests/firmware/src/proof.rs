@@ -123,6 +123,8 @@ mod entries {
         fn isolux_entry_form_factor_micromath(receiver: &Receiver<f32>, vertices: &[[f32; 3]]) -> f32 {
             form_factor::form_factor::<Micromath, f32>(receiver, vertices)
         }
+        // For hosts: with every operation a call it has no place beside all the rest.
+        #[cfg(target_abi = "eabihf")]
         fn isolux_entry_form_factor_best_f64(receiver: &Receiver<f64>, vertices: &[[f64; 3]]) -> f64 {
             form_factor::form_factor::<Best<SoftRoot>, f64>(receiver, vertices)
         }
