@@ -89,8 +89,8 @@ fn runs_keep_to_their_sheets() {
             number(&predicted["at_most"]),
         );
         println!("{arguments:?}: {total}, predicted {expected}, at most {at_most}");
-        assert!((expected / total - 1.0).abs() < 0.012, "{arguments:?}");
-        assert!(at_most < 1.025 * total, "{arguments:?}");
+        assert!((expected / total - 1.0).abs() < 0.015, "{arguments:?}");
+        assert!(at_most < 1.035 * total, "{arguments:?}");
         let times = cost["milliseconds"].as_array().expect("times at clocks");
         assert_eq!(times.len(), 3);
         let charged = arguments.contains(&"--microamperes-per-mhz");
