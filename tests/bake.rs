@@ -223,6 +223,73 @@ fn a_directory_that_cannot_be_made_is_refused_before_the_work() {
     assert!(ran.stderr.contains("-o DIR"), "{}", ran.stderr);
 }
 
+#[test]
+fn what_a_device_does_not_hold_is_refused_and_nothing_is_written() {
+    let directory = directory();
+    let script = |flash: &str, ram: &str| {
+        let regions = format!("FLASH : LENGTH = {flash}\n  RAM : LENGTH = {ram}\n");
+        let script = format!("MEMORY\n{{\n  {regions}}}\n");
+        fs::write(directory.path().join("part.x"), script).expect("a file");
+    };
+    let bake = || {
+        let arguments = ["bake", "penumbra", "-o", "out", "--memory", "part.x"];
+        isolux(&arguments, directory.path(), "")
+    };
+    // Its tables take about 20 KiB, its state 3 KiB.
+    for (flash, ram, words) in [
+        (
+            "8K",
+            "64K",
+            ["of flash for its tables, part.x has 8192", "--flash 8192"],
+        ),
+        ("256K", "2K", ["of RAM, part.x has 2048", "--ram 2048"]),
+    ] {
+        script(flash, ram);
+        let ran = bake();
+        assert_eq!((ran.code, ran.stdout.as_str()), (1, ""), "{ran:?}");
+        for word in words {
+            assert!(ran.stderr.contains(word), "{word}: {}", ran.stderr);
+        }
+        assert!(files(&directory.path().join("out")).is_empty());
+    }
+    // They fit, but leave less than half to the code.
+    script("32K", "64K");
+    let ran = bake();
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("part.x has 16384 beside 16384 of code"),
+        "{}",
+        ran.stderr
+    );
+    // A plan for the part does.
+    let arguments = ["plan", "penumbra", "-o", "part.plan", "--memory", "part.x"];
+    let planned = isolux(&arguments, directory.path(), "");
+    assert_eq!(planned.code, 0, "{}", planned.stderr);
+    let arguments = [
+        "bake",
+        "penumbra",
+        "-o",
+        "out",
+        "--memory",
+        "part.x",
+        "--plan",
+        "part.plan",
+    ];
+    let ran = isolux(&arguments, directory.path(), "");
+    assert_eq!((ran.code, ran.stderr.as_str()), (0, ""));
+    assert!(
+        fs::metadata(directory.path().join("out/penumbra.isolux"))
+            .expect("tables")
+            .len()
+            <= 16384
+    );
+    // What is no memory is an input error with its place.
+    script("much", "64K");
+    let ran = bake();
+    assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{ran:?}");
+    assert!(ran.stderr.contains("part.x:3:20"), "{}", ran.stderr);
+}
+
 /// The README's program, with what the README's command bakes, in a crate of its own:
 /// it compiles without a warning and gives the light that `isolux solve` gives.
 #[test]

@@ -233,3 +233,50 @@ fn a_run_that_fails_midway_leaves_whole_pictures() {
         }
     }
 }
+
+/// A surface's errors, put together from those of its tags.
+fn is_put_together(whole: &Value, samples: Option<u64>) {
+    let number = |value: &Value| value.as_f64().expect("a number");
+    let tags = whole["tags"].as_array().expect("a list");
+    let sum = |of: &dyn Fn(&Value) -> f64| tags.iter().map(of).sum::<f64>();
+    let share = |tag: &Value| number(&tag["share"]) / 100.0;
+    assert!((sum(&share) - 1.0).abs() < 1e-12, "{whole}");
+    let count = |tag: &Value| tag["samples"].as_u64();
+    assert_eq!(tags.iter().map(count).sum::<Option<u64>>(), samples);
+    let metric = |of: &Value, name: &str| number(&of["error"]["full_scale"][name]);
+    let square = sum(&|tag| share(tag) * metric(tag, "rms").powi(2));
+    let rms = metric(whole, "rms");
+    assert!((square.sqrt() - rms).abs() < 1e-9 * rms, "{whole}");
+    let max = |worst: f64, tag| worst.max(metric(tag, "max"));
+    assert_eq!(tags.iter().fold(0.0, max), metric(whole, "max"));
+    let above = |of: &Value| number(&of["error"]["full_scale"]["over"]["1"]);
+    let together = sum(&|tag| share(tag) * above(tag));
+    assert!((together - above(whole)).abs() < 1e-9, "{whole}");
+}
+
+#[test]
+fn errors_are_told_apart_by_what_light_does() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let render = |scene: &str| {
+        let arguments = ["render", scene, "-o", "out", "--resolution", "64", "--json"];
+        document(&isolux(&arguments, directory.path(), ""))
+    };
+    let names = |whole: &Value| -> Vec<String> {
+        let tags = whole["tags"].as_array().expect("a list").iter();
+        tags.map(|tag| tag["tag"].as_str().expect("a name").to_owned())
+            .collect()
+    };
+    let shadowed = render("penumbra");
+    let receiver = &shadowed["surfaces"][0];
+    assert_eq!(names(receiver), ["lit", "penumbra"]);
+    assert_eq!(names(&shadowed), ["lit", "penumbra"]);
+    is_put_together(receiver, receiver["samples"].as_u64());
+    is_put_together(&shadowed, None);
+    // B lies in the light's plane and sees A alone.
+    let open = render("paper");
+    for (surface, tag) in [(0, "lit"), (1, "reflected")] {
+        let surface = &open["surfaces"][surface];
+        assert_eq!(names(surface), [tag]);
+        is_put_together(surface, surface["samples"].as_u64());
+    }
+}

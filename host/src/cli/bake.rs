@@ -5,11 +5,10 @@ use super::device;
 use super::failure::Failure;
 use super::pipeline::{self, Planned};
 use super::sheet::{self, Sheet};
-use super::{CurrentArgument, PlanArgument, RepaintArgument, SceneArgument};
+use super::{CurrentArgument, MemoryArgument, PlanArgument, RepaintArgument, SceneArgument};
 use crate::bake::{Described, Names, source};
-use crate::device::{DEVICE_FLASH, DEVICE_RAM};
-use crate::pilot::FLASH;
 use crate::report::{warn, write_file};
+use crate::scene::memory::Memory;
 use clap::Args;
 use serde::Serialize;
 use std::io::Write;
@@ -18,8 +17,8 @@ use std::path::{Path, PathBuf};
 /// Bakes a scene for a firmware of your own: NAME.isolux, the tables; NAME.rs, a Rust
 /// module with the types and constants that go with them; NAME.md and NAME.json, the
 /// budget sheet. NAME is that of the scene file. The same scene gives the same bytes.
-/// Tables or a state larger than what memory.x has are refused where the scene has no
-/// [budget] flash or ram.
+/// Tables or a state larger than what --memory has are refused; without it larger than
+/// what the tested board has (memory.x), where the scene has no [budget] flash or ram.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -29,6 +28,8 @@ pub(super) struct Arguments {
     output: PathBuf,
     #[command(flatten)]
     plan: PlanArgument,
+    #[command(flatten)]
+    memory: MemoryArgument,
     #[command(flatten)]
     current: CurrentArgument,
     #[command(flatten)]
@@ -46,6 +47,7 @@ struct Baked {
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     let scene = pipeline::read(&arguments.scene.scene)?;
+    let memory = arguments.memory.read()?;
     let directory = &arguments.output;
     // Before the work is done.
     std::fs::create_dir_all(directory).map_err(|error| {
@@ -58,7 +60,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     let mut planned = pipeline::plan_or_read(scene, &arguments.rungs, plan, &[])?;
     planned.repaint(arguments.repaint.repaint)?;
     planned.affordable()?;
-    held(&planned)?;
+    held(&planned, memory)?;
     let operations = sheet::operations(&planned, pipeline::stop(None))?;
     let current = arguments.current.microamperes;
     let sheet = Sheet::of(&planned)?.with_cost(operations.as_ref(), current);
@@ -78,21 +80,32 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Refuses what the device of `memory.x` cannot hold where the scene has no budget of its
-/// own, and warns of tables that leave less than 96 KiB to the code.
-fn held(planned: &Planned) -> Result<(), Failure> {
+/// Refuses what the named device cannot hold, or where there is none what that of `memory.x`
+/// cannot and the scene has no budget for; warns of tables that leave less to the code than
+/// a plan does.
+fn held(planned: &Planned, memory: Option<(Memory, String)>) -> Result<(), Failure> {
     let budget = planned.scene.budget;
-    let (flash, ram) = (budget.flash, budget.ram);
-    device::fits(
-        planned,
-        flash.unwrap_or(DEVICE_FLASH),
-        ram.unwrap_or(DEVICE_RAM),
-    )?;
-    let tables = planned.tables.bytes().len();
-    if flash.is_none() && tables > FLASH {
+    let is_named = memory.is_some();
+    let (memory, file) = match memory {
+        Some(named) => named,
+        None => (Memory::of_the_board(), "memory.x".to_owned()),
+    };
+    let most = |budget: Option<u64>, has: u64| match is_named {
+        true => has,
+        false => budget.unwrap_or(has),
+    };
+    let (flash, ram) = (
+        most(budget.flash, memory.flash),
+        most(budget.ram, memory.ram),
+    );
+    device::fits(planned, &file, flash, ram)?;
+    let tables = planned.tables.bytes().len() as u64;
+    let planned_for = most(budget.flash, memory.for_tables());
+    if tables > planned_for {
+        let for_code = memory.flash - memory.for_tables();
         warn(&format!(
-            "the tables take {tables} bytes of flash, and memory.x has {FLASH} beside 96 KiB of code; \
-             `isolux plan SCENE --flash {FLASH} -o FILE` makes a plan that fits"
+            "the tables take {tables} bytes of flash, and {file} has {planned_for} beside {for_code} of code; \
+             `isolux plan SCENE --flash {planned_for} -o FILE` makes a plan that fits"
         ));
     }
     Ok(())

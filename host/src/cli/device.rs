@@ -9,6 +9,7 @@ use super::{BouncesArgument, CurrentArgument, PlanArgument, SceneArgument};
 use crate::device::operations::Operations;
 use crate::device::{self, Core, Job, Measured, Options};
 use crate::report::Progress;
+use crate::scene::memory::Memory;
 use crate::solve::Solution;
 use clap::Args;
 use serde::Serialize;
@@ -71,7 +72,8 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         },
         ..Options::default()
     };
-    fits(&planned, device::DEVICE_FLASH, device::DEVICE_RAM)?;
+    let board = Memory::of_the_board();
+    fits(&planned, "memory.x", board.flash, board.ram)?;
     let sheet = match arguments.sheet {
         true => Some(sheet_of(&planned, arguments)?),
         false => None,
@@ -124,7 +126,7 @@ fn sheet_of(planned: &Planned, arguments: &Arguments) -> Result<Sheeted, Failure
 }
 
 /// Refuses tables and a state that take more bytes of flash and of RAM than there are.
-pub(super) fn fits(planned: &Planned, flash: u64, ram: u64) -> Result<(), Failure> {
+pub(super) fn fits(planned: &Planned, file: &str, flash: u64, ram: u64) -> Result<(), Failure> {
     let (tables, state) = (planned.tables.bytes().len() as u64, planned.ram()?.0 as u64);
     for (what, wish, needed, have) in [
         ("flash for its tables", "--flash", tables, flash),
@@ -133,7 +135,7 @@ pub(super) fn fits(planned: &Planned, flash: u64, ram: u64) -> Result<(), Failur
         if needed > have {
             return Err(Failure::limit(
                 format!(
-                    "scene `{}` needs {needed} bytes of {what}, memory.x has {have} for that",
+                    "scene `{}` needs {needed} bytes of {what}, {file} has {have} for that",
                     planned.scene.name
                 ),
                 format!(

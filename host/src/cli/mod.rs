@@ -16,6 +16,8 @@ mod sheet;
 mod solve;
 mod trade;
 
+use crate::scene::diagnostic::Diagnostic;
+use crate::scene::memory::Memory;
 use clap::{Args, Parser, Subcommand};
 use failure::Failure;
 use std::path::PathBuf;
@@ -69,6 +71,31 @@ struct PlanArgument {
     /// A plan file that `isolux plan` wrote for these surfaces: nothing is planned.
     #[arg(long, value_name = "FILE")]
     plan: Option<PathBuf>,
+}
+
+/// What the device has.
+#[derive(Clone, Debug, Default, Args)]
+struct MemoryArgument {
+    /// The linker script of your firmware, such as memory.x: no more than the regions FLASH
+    /// (beside 96 KiB or half of it for code) and RAM hold. Default: the board that isolux
+    /// is tested on, 256 KiB and 64 KiB, where the scene has no [budget].
+    #[arg(long, value_name = "FILE")]
+    memory: Option<PathBuf>,
+}
+
+impl MemoryArgument {
+    /// The memory that was given, and the name of its file.
+    fn read(&self) -> Result<Option<(Memory, String)>, Failure> {
+        let Some(path) = &self.memory else {
+            return Ok(None);
+        };
+        let name = path.display().to_string();
+        let source = std::fs::read_to_string(path).map_err(|error| {
+            let remedy = "name the linker script that says what the device has";
+            Diagnostic::of_file(&name, format!("cannot read it: {error}"), remedy)
+        })?;
+        Ok(Some((Memory::parse(&name, &source)?, name)))
+    }
 }
 
 /// Whether walls are painted.

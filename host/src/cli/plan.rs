@@ -6,12 +6,11 @@ use super::choice::RungArguments;
 use super::failure::Failure;
 use super::pipeline;
 use super::sheet::Sheet;
-use super::{RepaintArgument, SceneArgument};
-use crate::device::DEVICE_RAM;
-use crate::pilot::FLASH;
+use super::{MemoryArgument, RepaintArgument, SceneArgument};
 use crate::plan::file;
 use crate::report::write_file;
 use crate::scene::Rungs;
+use crate::scene::memory::Memory;
 use crate::scene::settings::parse_bytes;
 use clap::Args;
 use search::Wishes;
@@ -25,8 +24,9 @@ use std::path::{Path, PathBuf};
 /// predicted to err by.
 ///
 /// The samples, RAM and flash of the scene's budget are the most it takes, and the memory
-/// of the device (memory.x) where that says nothing; a flag goes before each. With
-/// --max-error it takes no more samples than that needs.
+/// of the tested board (memory.x) where that says nothing; a flag goes before each, and
+/// the device that --memory names holds whatever they say. With --max-error it takes no
+/// more samples than that needs.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -52,6 +52,8 @@ pub(super) struct Arguments {
     /// root of the mean square over all planned surfaces.
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     max_error: Option<f64>,
+    #[command(flatten)]
+    memory: MemoryArgument,
     #[command(flatten)]
     repaint: RepaintArgument,
     #[command(flatten)]
@@ -86,10 +88,19 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     let scene = pipeline::read(&arguments.scene.scene)?;
     writable(&arguments.output)?;
     let budget = scene.budget;
+    let memory = arguments.memory.read()?.map(|(memory, _)| memory);
+    let device = memory.unwrap_or_else(Memory::of_the_board);
+    // A device that is named holds whatever is wished for.
+    let within = |wish: Option<u64>, has: u64| match memory {
+        Some(_) => wish.map_or(has, |wish| wish.min(has)),
+        None => wish.unwrap_or(has),
+    };
+    let ram = arguments.ram.or(budget.ram);
+    let flash = arguments.flash.or(budget.flash);
     let wishes = Wishes {
         samples: arguments.samples.or(budget.samples),
-        ram: arguments.ram.or(budget.ram).or(Some(DEVICE_RAM)),
-        flash: arguments.flash.or(budget.flash).or(Some(FLASH as u64)),
+        ram: Some(within(ram, device.ram)),
+        flash: Some(within(flash, device.for_tables())),
         instructions: arguments.instructions,
         error: arguments.max_error,
     };

@@ -8,7 +8,9 @@ use super::failure::Failure;
 use super::pipeline::{self, Planned};
 use super::{BouncesArgument, PlanArgument, SceneArgument};
 use crate::baseline::{self, Baseline, Parameters, Stop};
-use crate::compare::{self, Answers, Balance, Compared, Errors, Seen, effort, errors_by_scale};
+use crate::compare::{
+    self, Answers, Balance, Compared, Errors, Regions, Seen, Tagged, effort, errors_by_scale,
+};
 use crate::occlusion::Solids;
 use crate::reference::Reference;
 use crate::report::Progress;
@@ -70,7 +72,15 @@ struct Judged<'a> {
     baseline: Option<&'a Baseline>,
     surfaces: Vec<Compared>,
     camera: Option<(View, Seen)>,
+    tags: ByTag,
     balance: Balance,
+}
+
+/// Errors by the tags of places.
+struct ByTag {
+    /// Of each surface, with how many of its samples are there.
+    surfaces: Vec<Vec<(Tagged, usize)>>,
+    camera: Vec<Tagged>,
 }
 
 #[derive(Serialize)]
@@ -86,6 +96,8 @@ struct Rendered<'a> {
     unshot: f32,
     surfaces: Vec<SurfaceErrors<'a>>,
     error: Errors,
+    /// The same by the tags of the pixels; none without a camera.
+    tags: Vec<TagErrors>,
     /// The kernel's answer at each pixel, without resampling: in rooms.
     #[serde(skip_serializing_if = "Option::is_none")]
     evaluated: Option<AtPixels>,
@@ -112,7 +124,19 @@ struct SurfaceErrors<'a> {
     samples: usize,
     emitters: usize,
     error: Errors,
+    tags: Vec<TagErrors>,
     out_of_reach: u32,
+}
+
+/// What the places of one tag err by.
+#[derive(Serialize)]
+struct TagErrors {
+    tag: &'static str,
+    /// How many of the places these are, in percent.
+    share: f64,
+    /// How many samples are there; `null` over pixels.
+    samples: Option<usize>,
+    error: Errors,
 }
 
 #[derive(Serialize)]
@@ -233,6 +257,7 @@ fn judge<'a>(
         None => None,
     };
     Ok(Judged {
+        tags: by_tag(planned, &compared, camera.as_ref(), &full_scale)?,
         planned,
         solution: answers.solution,
         reference: answers.reference,
@@ -241,6 +266,35 @@ fn judge<'a>(
         camera,
         balance: compare::balance(&planned.scene, &planned.plan, answers.solution),
     })
+}
+
+fn by_tag(
+    planned: &Planned,
+    surfaces: &[Compared],
+    camera: Option<&(View, Seen)>,
+    full_scale: &[f64],
+) -> Result<ByTag, Failure> {
+    let regions = Regions::of(&planned.scene).map_err(|error| Failure::limit(error, ""))?;
+    let of_surface = |compared: &Compared| {
+        let index = compared.surface;
+        let samples = regions.of_samples(index, &planned.plan.surfaces[index]);
+        let tagged = regions.of_surface(compared).into_iter();
+        let count = |tag| samples.iter().filter(|&&its| its == tag).count();
+        tagged.map(|tagged| (tagged, count(tagged.tag))).collect()
+    };
+    Ok(ByTag {
+        surfaces: surfaces.iter().map(of_surface).collect(),
+        camera: camera.map_or(Vec::new(), |(_, seen)| regions.of_camera(seen, full_scale)),
+    })
+}
+
+fn tag_errors(tagged: &Tagged, samples: Option<usize>) -> TagErrors {
+    TagErrors {
+        tag: tagged.tag.name(),
+        share: tagged.share,
+        samples,
+        error: tagged.errors,
+    }
 }
 
 impl Judged<'_> {
@@ -280,13 +334,18 @@ impl Judged<'_> {
 
 fn rendered<'a>(judged: &'a Judged<'a>, bounces: Option<u32>, files: Vec<String>) -> Rendered<'a> {
     let solved = judged.solution.solved;
-    let surfaces = judged.surfaces.iter().map(|compared| {
+    let surfaces = judged.surfaces.iter().zip(&judged.tags.surfaces);
+    let surfaces = surfaces.map(|(compared, tags)| {
         let planned = &judged.planned.plan.surfaces[compared.surface];
         SurfaceErrors {
             name: judged.name(compared.surface),
             samples: planned.samples.len(),
             emitters: planned.outlines().len(),
             error: compared.errors,
+            tags: tags
+                .iter()
+                .map(|(tagged, samples)| tag_errors(tagged, Some(*samples)))
+                .collect(),
             out_of_reach: compared.out_of_reach,
         }
     });
@@ -324,6 +383,12 @@ fn rendered<'a>(judged: &'a Judged<'a>, bounces: Option<u32>, files: Vec<String>
         unshot: solved.unshot,
         surfaces: surfaces.collect(),
         error: judged.overall(),
+        tags: judged
+            .tags
+            .camera
+            .iter()
+            .map(|tagged| tag_errors(tagged, None))
+            .collect(),
         evaluated: judged.camera.as_ref().and_then(|(_, seen)| {
             let evaluated = seen.evaluated.as_ref()?;
             Some(AtPixels {

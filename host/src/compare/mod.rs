@@ -16,10 +16,12 @@
 
 mod balance;
 mod camera;
+mod regions;
 mod surface;
 
 pub use balance::{Balance, balance};
 pub use camera::{Evaluated, Seen, camera, effort};
+pub use regions::{Regions, Tagged};
 pub use surface::{Compared, surface};
 
 use crate::baseline::Baseline;

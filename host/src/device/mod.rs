@@ -49,13 +49,10 @@ use std::time::Duration;
 use isolux::shoot::Stop;
 
 use crate::scene::Budget;
+use crate::scene::memory::Memory;
 use firmware::Variant;
 use log::Log;
 
-/// RAM of the device in bytes (`memory.x`).
-pub const DEVICE_RAM: u64 = 64 * 1024;
-/// Flash of the device in bytes (`memory.x`).
-pub const DEVICE_FLASH: u64 = 256 * 1024;
 /// The functions of the firmware that are the kernel's steps.
 const STEPS: &str = "isolux_step_";
 
@@ -209,14 +206,15 @@ impl Inspected {
 
     /// What was allowed, and whether it was kept.
     fn allowed(&self, budget: Budget) -> Allowed {
+        let board = Memory::of_the_board();
         let within = |used, limit: Option<u64>, device| used <= limit.unwrap_or(device).min(device);
         Allowed {
             ram_bytes: budget.ram,
             flash_bytes: budget.flash,
-            device_ram_bytes: DEVICE_RAM,
-            device_flash_bytes: DEVICE_FLASH,
-            kept: within(self.sizes.ram + self.stack, budget.ram, DEVICE_RAM)
-                && within(self.sizes.flash, budget.flash, DEVICE_FLASH),
+            device_ram_bytes: board.ram,
+            device_flash_bytes: board.flash,
+            kept: within(self.sizes.ram + self.stack, budget.ram, board.ram)
+                && within(self.sizes.flash, budget.flash, board.flash),
         }
     }
 }
@@ -250,29 +248,4 @@ fn emulate(core: Core, program: &Path, limit: Duration) -> Result<Log, Error> {
 /// The bytes of a linked program.
 fn read(program: &Path) -> Result<Vec<u8>, Error> {
     fs::read(program).map_err(Error::io(format!("reading {}", program.display())))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{DEVICE_FLASH, DEVICE_RAM};
-    use crate::pilot::FLASH;
-
-    #[test]
-    fn the_device_is_the_linkers() {
-        let memory = include_str!("../../../memory.x");
-        let length = |region: &str| {
-            let line = memory
-                .lines()
-                .find(|line| line.trim_start().starts_with(region));
-            let kibibytes = line?.rsplit("LENGTH = ").next()?.strip_suffix('K')?;
-            kibibytes
-                .parse::<u64>()
-                .ok()
-                .map(|kibibytes| 1024 * kibibytes)
-        };
-        assert_eq!(length("RAM"), Some(DEVICE_RAM));
-        assert_eq!(length("FLASH"), Some(DEVICE_FLASH));
-        // What rooms leave to the code.
-        assert_eq!(DEVICE_FLASH, FLASH as u64 + (96 << 10));
-    }
 }

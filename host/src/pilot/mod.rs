@@ -13,6 +13,7 @@ use crate::occlusion::Occlusion;
 use crate::plan::patches::{Light, Split};
 use crate::plan::room::Room;
 use crate::plan::{self, Field, Plan, Unplannable};
+use crate::scene::memory::Memory;
 use crate::scene::{Budget, Scene};
 use crate::solve::{self, Rung, Sight, Solution};
 use glam::DVec3;
@@ -28,10 +29,6 @@ const SETTLED: f32 = 0.001;
 
 /// How often light is reflected at the most where every patch shoots in turn.
 const REFLECTIONS: f64 = 40.0;
-
-/// Bytes of flash that the tables of a room take at the most where nothing else is said:
-/// what the device of `memory.x` has beside 96 KiB of code.
-pub const FLASH: usize = 160 << 10;
 
 /// Patches of the solution that plans are judged by. With 400 of them reconstructed light
 /// in the Cornell box errs by a third more.
@@ -226,7 +223,8 @@ pub fn room(
 /// A plan with meshes as coarse as it takes for its tables to fit.
 fn fitting(room: &Room<'_>, budget: &Budget, bake: &Bake<'_>) -> Result<Plan, Error> {
     let mut plan = room.plan(budget, None).map_err(Error::Room)?;
-    let most = budget.flash.map_or(FLASH, |bytes| bytes as usize);
+    let most = budget.flash;
+    let most = most.unwrap_or_else(|| Memory::of_the_board().for_tables()) as usize;
     for _ in 0..THINNINGS {
         let bytes = bake(&plan).map_err(Error::TooLarge)?.bytes().len();
         if bytes <= most {

@@ -11,6 +11,7 @@ pub mod diagnostic;
 pub(crate) mod document;
 pub mod file;
 pub mod frame;
+pub mod memory;
 pub mod points;
 pub mod polygon;
 pub mod requires;

@@ -17,6 +17,7 @@ use crate::reference::Reference;
 use crate::report::quantity;
 use crate::scene::Scene;
 use crate::scene::frame::Frame;
+use crate::scene::memory::Memory;
 use crate::solve::{self, Rung, Sight, Solution};
 use glam::DVec3;
 use isolux::shoot::Stop;
@@ -212,8 +213,9 @@ pub fn measure(
 /// # Errors
 /// See [`Error`].
 pub fn instructions(baked: &Baked<'_>) -> Result<Option<u64>, Error> {
-    let fits = baked.tables.bytes().len() as u64 <= device::DEVICE_FLASH
-        && baked.ram_bytes as u64 <= device::DEVICE_RAM;
+    let board = Memory::of_the_board();
+    let fits =
+        baked.tables.bytes().len() as u64 <= board.flash && baked.ram_bytes as u64 <= board.ram;
     if !fits {
         return Ok(None);
     }

@@ -1,6 +1,6 @@
 //! The error table on a terminal.
 
-use super::{Judged, Rendered};
+use super::{Judged, Rendered, TagErrors};
 use crate::compare::{Balance, Errors};
 use crate::report::{ErrorRow, error_table, percent, quantity};
 use std::path::Path;
@@ -17,13 +17,19 @@ pub(super) fn table(judged: &Judged<'_>, rendered: &Rendered<'_>, output: &Path)
         emitters: None,
         error,
     };
-    let structured = rendered.surfaces.iter().map(|surface| ErrorRow {
-        name: surface.name.to_owned(),
-        samples: Some(surface.samples),
-        emitters: Some(surface.emitters),
-        error: surface.error,
+    let structured = rendered.surfaces.iter().flat_map(|surface| {
+        let whole = ErrorRow {
+            name: surface.name.to_owned(),
+            samples: Some(surface.samples),
+            emitters: Some(surface.emitters),
+            error: surface.error,
+        };
+        [whole].into_iter().chain(by_tag(&surface.tags))
     });
-    let structured: Vec<_> = structured.chain([all(rendered.error)]).collect();
+    let structured: Vec<_> = structured
+        .chain([all(rendered.error)])
+        .chain(by_tag(&rendered.tags))
+        .collect();
     let mut text = format!(
         "{}: structured sampling, {} samples, {} shots, {} form factors, {} % of the light unshot\n\n{}\n",
         rendered.scene,
@@ -67,6 +73,17 @@ pub(super) fn table(judged: &Judged<'_>, rendered: &Rendered<'_>, output: &Path)
         rendered.files.join(", "),
     ));
     text
+}
+
+/// A row for each tag, where there is more than one.
+fn by_tag(tags: &[TagErrors]) -> impl Iterator<Item = ErrorRow> {
+    let several = if tags.len() > 1 { tags } else { &[] };
+    several.iter().map(|of| ErrorRow {
+        name: format!("  {} {} %", of.tag, percent(of.share)),
+        samples: of.samples,
+        emitters: None,
+        error: of.error,
+    })
 }
 
 /// Where the light went, in parts of what was shot.

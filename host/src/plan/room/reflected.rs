@@ -25,10 +25,6 @@ const MOST: usize = 200;
 /// A node's reflected light is corrected by no more than this factor.
 const CORRECTION: f64 = 2.0;
 
-/// How near to the foot of something a sample is there for it, as a part of the surface's
-/// size.
-const AT_FOOT: f64 = 0.05;
-
 /// Samples that a node's value is chosen from: the nearest.
 const NEAREST: usize = 24;
 
@@ -83,19 +79,6 @@ pub(super) fn is_cut(floor: &Floor, from: [f64; 2], to: [f64; 2]) -> bool {
         let side = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p);
         side(a, b, from) * side(a, b, to) < 0.0 && side(from, to, a) * side(from, to, b) < 0.0
     })
-}
-
-/// Whether a place is nearer than this to the foot of something.
-fn is_at_foot(floor: &Floor, place: [f64; 2], near: f64) -> bool {
-    let at = DVec2::from(place);
-    let distance = |ends: [[f64; 2]; 2]| {
-        let [a, b] = ends.map(DVec2::from);
-        point_to_segment(at, a, b)
-    };
-    floor
-        .contacts
-        .iter()
-        .any(|line| distance(line.ends) <= near)
 }
 
 fn nodes_of(order: Vec<(usize, f64)>) -> Vec<usize> {
@@ -194,9 +177,8 @@ impl Reflected {
             true => Vec::new(),
             false => nodes_of(shares::order(&relative, &alike, MOST)),
         };
-        let near = AT_FOOT * area.sqrt();
         let tags = (0..inside.len()).map(|k| match () {
-            () if is_at_foot(floor, inside[k], near) => Tag::Contact,
+            () if floor.is_at_foot(inside[k].into()) => Tag::Contact,
             () if whole[k] > 1e-9 * brightest && direct[k] <= 1e-9 * whole[k] => Tag::Umbra,
             () => Tag::Reflected,
         });

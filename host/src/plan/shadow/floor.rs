@@ -12,6 +12,10 @@ use crate::scene::{Scene, Surface};
 /// Lengths below this part of the surface's longer side are nothing.
 const RESOLUTION: f64 = 1e-6;
 
+/// How near to the foot of something a place is at it, as a part of the surface's size, the
+/// root of the area of its outline.
+const AT_FOOT: f64 = 0.05;
+
 /// A receiving surface in its own coordinates.
 #[derive(Clone, Debug)]
 pub struct Floor {
@@ -79,6 +83,17 @@ impl Floor {
     /// Whether a place is on the surface and nothing covers it.
     pub fn is_exposed(&self, place: DVec2) -> bool {
         encloses(&self.outline, place) && !self.covers.iter().any(|cover| encloses(cover, place))
+    }
+
+    /// Whether a place is near the line where something touches the surface: within a
+    /// twentieth of the root of the surface's area.
+    pub fn is_at_foot(&self, place: DVec2) -> bool {
+        let near = AT_FOOT * signed_area(&self.outline).abs().sqrt();
+        let distance = |line: &Line| {
+            let [a, b] = line.ends.map(DVec2::from);
+            point_to_segment(place, a, b)
+        };
+        self.contacts.iter().any(|line| distance(line) <= near)
     }
 
     /// The length below which places are one place.

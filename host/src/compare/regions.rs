@@ -1,0 +1,134 @@
+//! Errors by what light does at a place: in the open, in a shadow, at a foot.
+
+use super::{Compared, Errors, Seen, errors_by_scale, mean};
+use crate::plan::shadow::{Error, Floor};
+use crate::plan::{SurfacePlan, Tag};
+use crate::reference::Lookout;
+use crate::scene::Scene;
+use glam::{DVec2, DVec3};
+
+/// Which tag the places of a scene would have, were they samples.
+pub struct Regions {
+    lookouts: Vec<Lookout>,
+    floors: Vec<Floor>,
+    /// Surfaces whose errors count.
+    reflecting: Vec<bool>,
+}
+
+/// What the places of one tag err by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tagged {
+    /// Their tag.
+    pub tag: Tag,
+    /// How many of all places these are, in percent.
+    pub share: f64,
+    /// What they err by.
+    pub errors: Errors,
+}
+
+/// The tags that places have, in the order of tables.
+const TAGS: [Tag; 5] = [
+    Tag::Lit,
+    Tag::Penumbra,
+    Tag::Umbra,
+    Tag::Contact,
+    Tag::Reflected,
+];
+
+impl Regions {
+    /// The regions of all surfaces.
+    ///
+    /// # Errors
+    /// [`Error`] where there are too many vertices, or an outline is not simple.
+    pub fn of(scene: &Scene) -> Result<Self, Error> {
+        let surfaces = || 0..scene.surfaces.len();
+        let luminaires = surfaces().filter(|&index| scene.surfaces[index].emits());
+        let lookouts = luminaires.map(|index| Lookout::new(scene, index).map_err(Error::Outline));
+        let floors = surfaces().map(|index| Floor::of(scene, index));
+        Ok(Self {
+            lookouts: lookouts.collect::<Result<_, _>>()?,
+            floors: floors.collect::<Result<_, _>>()?,
+            reflecting: scene
+                .surfaces
+                .iter()
+                .map(|surface| surface.reflects())
+                .collect(),
+        })
+    }
+
+    /// The tag of a place of a surface, by the exact shadows:
+    ///
+    /// * `contact` at the foot of something ([`Floor::is_at_foot`]), else
+    /// * `lit` where nothing hides any part of a luminaire that it faces, `umbra` where all of
+    ///   them are hidden, `penumbra` where some part is, and
+    /// * `reflected` where it faces none.
+    ///
+    /// Costs a look at every luminaire.
+    pub fn tag(&self, surface: usize, position: DVec3) -> Tag {
+        let floor = &self.floors[surface];
+        let frame = &floor.frame;
+        let (u, v) = frame.to_local(position);
+        if floor.is_at_foot(DVec2::new(u, v)) {
+            return Tag::Contact;
+        }
+        let looks = self.lookouts.iter();
+        let looks = looks.map(|lookout| lookout.look(position, frame.normal));
+        let faced: Vec<_> = looks.filter(|looked| looked.whole > 0.0).collect();
+        match () {
+            () if faced.is_empty() => Tag::Reflected,
+            () if faced.iter().all(|looked| looked.is_whole) => Tag::Lit,
+            () if faced.iter().all(|looked| looked.is_hidden) => Tag::Umbra,
+            () => Tag::Penumbra,
+        }
+    }
+
+    /// What the places of each tag err by, of a surface's grid.
+    pub fn of_surface(&self, compared: &Compared) -> Vec<Tagged> {
+        let frame = &self.floors[compared.surface].frame;
+        let side = compared.resolution;
+        let cells = (0..side * side).filter(|&k| compared.inside[k]);
+        by_tag(cells.map(|k| {
+            let (u, v) = frame.cell_center(k % side, k / side, side, side);
+            let tag = self.tag(compared.surface, frame.to_world(u, v));
+            let (value, truth) = (compared.structured[k], compared.reference[k]);
+            (tag, (value, truth, compared.full_scale))
+        }))
+    }
+
+    /// The same of a camera's pixels that see the front of a surface that reflects;
+    /// `full_scale` is each surface's largest reference value.
+    pub fn of_camera(&self, seen: &Seen, full_scale: &[f64]) -> Vec<Tagged> {
+        let pixels = seen.hits.iter().enumerate();
+        let fronts = pixels.filter_map(|(k, hit)| Some((k, hit.filter(|hit| hit.front)?)));
+        let counted = fronts.filter(|(_, hit)| self.reflecting[hit.surface]);
+        by_tag(counted.map(|(k, hit)| {
+            let tag = self.tag(hit.surface, hit.position);
+            let [value, truth] = [seen.structured[k], seen.reference[k]].map(mean);
+            (tag, (value, truth, full_scale[hit.surface]))
+        }))
+    }
+
+    /// The tags of the places where a surface's samples are.
+    pub fn of_samples(&self, surface: usize, planned: &SurfacePlan) -> Vec<Tag> {
+        let place = |[u, v]: [f64; 2]| planned.frame.to_world(u, v);
+        let samples = planned.samples.iter();
+        samples
+            .map(|sample| self.tag(surface, place(sample.place)))
+            .collect()
+    }
+}
+
+/// Errors of (approximate, reference, full scale) by tag; tags without a place are left out.
+fn by_tag(places: impl Iterator<Item = (Tag, (f64, f64, f64))>) -> Vec<Tagged> {
+    let places: Vec<_> = places.collect();
+    let of_tag = |tag| {
+        let its = || places.iter().filter(move |place| place.0 == tag);
+        let count = its().count();
+        (count > 0).then(|| Tagged {
+            tag,
+            share: 100.0 * count as f64 / places.len() as f64,
+            errors: errors_by_scale(its().map(|place| place.1)),
+        })
+    };
+    TAGS.into_iter().filter_map(of_tag).collect()
+}
