@@ -42,7 +42,14 @@ pub struct TradeMark {
 const FRONT: Rgb = [0, 98, 155];
 const BEATEN: Rgb = [190, 84, 24];
 /// Colours of lines, one after the other.
-const LINES: [Rgb; 5] = [BEATEN, FRONT, [0, 128, 90], [120, 70, 160], [120, 120, 120]];
+const LINES: [Rgb; 6] = [
+    BEATEN,
+    FRONT,
+    [0, 128, 90],
+    [120, 70, 160],
+    [86, 180, 233],
+    [120, 120, 120],
+];
 const FAINT: Rgb = [226, 226, 226];
 
 /// Size of a panel's map in pixels.
@@ -324,11 +331,17 @@ impl<'a> Panel<'a> {
         if let Some(found) = beside.into_iter().find(|&at| free(at) && told_apart(at)) {
             return (found, false);
         }
-        // Straight above or below first: short lines that cross nothing.
-        let turns = TURNS.iter().rev().copied();
-        let rings = (2..12).flat_map(|ring| turns.clone().map(move |turn| place(ring, turn)));
-        let found = rings.into_iter().find(|&at| free(at));
-        (found.unwrap_or(beside[0]), true)
+        // Straight above or below first, as far inside as it takes: short lines that cross
+        // nothing.
+        let inside = |at: [f32; 2]| {
+            let (low, high) = (self.map.x + half[0] + 3.0, self.map.right() - half[0] - 3.0);
+            [at[0].clamp(low, high.max(low)), at[1]]
+        };
+        let turns = [0.0, -0.5, 0.5, -1.0, 1.0].map(|x| [[x, 1.0], [x, -1.0]]);
+        let turns = turns.into_iter().flatten();
+        let rings = (1..16).flat_map(|ring| turns.clone().map(move |turn| place(ring, turn)));
+        let found = rings.map(inside).find(|&at| free(at));
+        (found.unwrap_or(inside(beside[0])), true)
     }
 
     fn axes(&self, canvas: &mut Canvas) {
@@ -411,6 +424,56 @@ mod tests {
             assert!(
                 others.iter().all(|other| !one.meets(other, 0.0)),
                 "{taken:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn names_of_lines_stay_inside_and_apart() {
+        // The last line ends in the corner, between others and the frame.
+        let lines: [(&str, &[[f64; 2]]); 4] = [
+            (
+                "cone, linear",
+                &[[1768.0, 61.9], [5536.0, 42.0], [10832.0, 14.5]],
+            ),
+            (
+                "tensor, points",
+                &[[3684.0, 0.32], [6676.0, 0.105], [12816.0, 0.139]],
+            ),
+            (
+                "few-points",
+                &[[1052.0, 26.8], [1660.0, 0.45], [4072.0, 0.16]],
+            ),
+            (
+                "stencil, linear",
+                &[
+                    [7160.0, 3.2],
+                    [8748.0, 0.58],
+                    [10656.0, 0.237],
+                    [21456.0, 0.233],
+                ],
+            ),
+        ];
+        let source = TradePanel {
+            lines: lines
+                .map(|(name, points)| TradeLine {
+                    name: name.to_owned(),
+                    points: points.to_vec(),
+                })
+                .into(),
+            ..panel(&[])
+        };
+        let frame = Frame::new(0.0, 0.0, SIDE[0], SIDE[1]);
+        let panel = Panel::new(&source, frame).expect("lines");
+        let mut taken = Vec::new();
+        panel.draw_lines(&mut Canvas::new(600, 500).expect("a page"), &mut taken);
+        let names = &taken[taken.len() - lines.len()..];
+        for (index, name) in names.iter().enumerate() {
+            assert!(frame.holds(name, 0.0), "{name:?}");
+            let others = taken[..taken.len() - lines.len() + index].iter();
+            assert!(
+                !others.clone().any(|other| name.meets(other, 0.0)),
+                "{name:?}"
             );
         }
     }

@@ -23,7 +23,7 @@ pub struct Way {
 
 /// Every reconstruction with the emitters that go with it, the paper's own way first:
 /// isolux outlines, bands between them and the cone filter.
-pub const WAYS: [Way; 5] = [
+pub const WAYS: [Way; 6] = [
     Way {
         reconstruction: "cone",
         emitters: "isolux",
@@ -39,6 +39,10 @@ pub const WAYS: [Way; 5] = [
     Way {
         reconstruction: "tensor",
         emitters: "points",
+    },
+    Way {
+        reconstruction: "tensor",
+        emitters: "few-points",
     },
     Way {
         reconstruction: "stencil",
