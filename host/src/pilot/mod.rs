@@ -10,6 +10,7 @@ mod settle;
 
 use crate::bake::{self, Tables};
 use crate::occlusion::Occlusion;
+use crate::plan::fields::shares;
 use crate::plan::patches::{Light, Split};
 use crate::plan::room::Room;
 use crate::plan::{self, Field, Plan, Unplannable};
@@ -33,9 +34,9 @@ const REFLECTIONS: f64 = 40.0;
 /// what the device of `memory.x` has beside 96 KiB of code.
 pub const FLASH: usize = 160 << 10;
 
-/// Patches of the solution that plans are judged by. With 400 of them reconstructed light
-/// in the Cornell box errs by a third more.
-const FINE_PATCHES: usize = 600;
+/// Patches of the solution that plans are judged by. With 600 of them reconstructed light
+/// in the Cornell box errs by a sixth more.
+const FINE_PATCHES: usize = 1000;
 
 /// How often meshes are made coarser until the tables fit.
 const THINNINGS: usize = 5;
@@ -76,7 +77,7 @@ pub fn finely(
     looking: (Option<&Occlusion>, Sight),
     direct: &Field<'_>,
 ) -> Result<Plan, Unplannable> {
-    let following = |light: &Light<'_>| plan::patches::fine(scene, patches, light);
+    let following = |light: &Light<'_>| plan::patches::fine(scene, patches, light, &|_, _| 1.0);
     match flown(scene, looking, direct, &following) {
         Some(plan) => plan,
         None => plan::patches::linear(scene, &Budget::default(), direct),
@@ -173,9 +174,18 @@ pub fn room(
     direct: &Field<'_>,
 ) -> Result<Plan, Error> {
     let (occlusion, sight) = looking;
+    let of_camera = match manner.for_camera {
+        true => plan::room::view::importance(scene),
+        false => None,
+    };
+    let importance = |place, normal| match &of_camera {
+        Some(importance) => importance(place, normal),
+        None => 1.0,
+    };
     let drafted = |light: &Light<'_>| {
-        let draft = plan::patches::draft(scene, budget, light)?;
-        Ok((draft, plan::patches::fine(scene, FINE_PATCHES, light)?))
+        let draft = plan::patches::draft(scene, budget, light, of_camera.is_some())?;
+        let fine = plan::patches::fine(scene, FINE_PATCHES, light, &importance)?;
+        Ok((draft, fine))
     };
     let drafts = match flown(scene, looking, direct, &drafted) {
         Some(drafts) => drafts,
@@ -195,14 +205,11 @@ pub fn room(
         let found = light.terms(&receivers(places), emitters.clone(), sight);
         found.unwrap_or_else(|_| dark())
     };
-    let of_camera = match manner.for_camera {
-        true => plan::room::view::importance(scene),
-        false => None,
-    };
     let known = plan::room::Known {
-        importance: &|place, normal| match &of_camera {
-            Some(importance) => importance(place, normal),
-            None => 1.0,
+        importance: &importance,
+        shares: match of_camera {
+            Some(_) => shares::MOST_FOR_CAMERA,
+            None => shares::MOST,
         },
         draft: &draft,
         unshadowed: &|places| terms(places, 0..luminaires, Sight::None),
