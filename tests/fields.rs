@@ -7,6 +7,8 @@ mod accuracy;
 mod any_room;
 #[path = "fields/changed.rs"]
 mod changed;
+#[path = "fields/for_camera.rs"]
+mod for_camera;
 #[path = "fields/generated.rs"]
 mod generated;
 #[path = "visibility/lit.rs"]

@@ -119,7 +119,7 @@ proptest! {
             .collect();
         let offered: Vec<(usize, &[f64])> = rows.iter().map(Vec::as_slice).enumerate().collect();
         let mut sum = vec![0.0; target.len()];
-        for (k, weight) in shares::fit(&target, &offered) {
+        for (k, weight) in shares::fit(&target, &offered, shares::MOST) {
             for (sum, x) in sum.iter_mut().zip(&rows[k]) {
                 *sum += weight * x;
             }

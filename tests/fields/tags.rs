@@ -1,28 +1,12 @@
 //! Why samples are where they are.
 
+use crate::for_camera::planned;
 use crate::{reference, room, shipped_scene};
-use glam::{DVec2, DVec3};
-use isolux_host::occlusion::Occlusion;
-use isolux_host::pilot::{self, Manner};
+use glam::DVec2;
 use isolux_host::plan::shadow::Floor;
 use isolux_host::plan::{Plan, Tag, file};
 use isolux_host::reference::Reference;
 use isolux_host::scene::{Rungs, Scene};
-use isolux_host::solve::Sight;
-
-/// The Cornell box with few samples, for its camera.
-fn for_camera(scene: &Scene) -> Plan {
-    let vertices = scene.surfaces.iter().flat_map(|s| s.vertices.clone());
-    let occlusion = Occlusion::for_receivers_within(scene, vertices).expect("occluders");
-    let direct = reference(scene, 0);
-    let field = |places: &[(DVec3, DVec3)]| direct.irradiance_at(places);
-    let looking = (Some(&occlusion), Sight::Exact);
-    let manner = Manner {
-        for_camera: true,
-        ..Manner::default()
-    };
-    pilot::room(scene, &scene.budget, looking, manner, &field).expect("a plan")
-}
 
 fn count(plan: &Plan, tag: Tag) -> usize {
     let samples = plan.surfaces.iter().flat_map(|surface| &surface.samples);
@@ -76,7 +60,7 @@ fn samples_say_why_they_are_there() {
         assert!(count(&plan, tag) > 0, "no sample is tagged {}", tag.name());
     }
     assert_eq!(count(&plan, Tag::View), 0, "no camera was asked for");
-    let of_camera = for_camera(&scene);
+    let of_camera = planned(&scene, true);
     tags_hold(&scene, &of_camera, &direct);
     assert!(
         count(&of_camera, Tag::View) > 0,

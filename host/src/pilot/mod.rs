@@ -10,6 +10,7 @@ mod settle;
 
 use crate::bake::{self, Tables};
 use crate::occlusion::Occlusion;
+use crate::plan::fields::shares;
 use crate::plan::patches::{Light, Split};
 use crate::plan::room::Room;
 use crate::plan::{self, Field, Plan, Unplannable};
@@ -30,9 +31,9 @@ const SETTLED: f32 = 0.001;
 /// How often light is reflected at the most where every patch shoots in turn.
 const REFLECTIONS: f64 = 40.0;
 
-/// Patches of the solution that plans are judged by. With 400 of them reconstructed light
-/// in the Cornell box errs by a third more.
-const FINE_PATCHES: usize = 600;
+/// Patches of the solution that plans are judged by. With 600 of them reconstructed light
+/// in the Cornell box errs by a sixth more.
+const FINE_PATCHES: usize = 1000;
 
 /// How often meshes are made coarser until the tables fit.
 const THINNINGS: usize = 5;
@@ -73,7 +74,7 @@ pub fn finely(
     looking: (Option<&Occlusion>, Sight),
     direct: &Field<'_>,
 ) -> Result<Plan, Unplannable> {
-    let following = |light: &Light<'_>| plan::patches::fine(scene, patches, light);
+    let following = |light: &Light<'_>| plan::patches::fine(scene, patches, light, &|_, _| 1.0);
     match flown(scene, looking, direct, &following) {
         Some(plan) => plan,
         None => plan::patches::linear(scene, &Budget::default(), direct),
@@ -170,9 +171,18 @@ pub fn room(
     direct: &Field<'_>,
 ) -> Result<Plan, Error> {
     let (occlusion, sight) = looking;
+    let of_camera = match manner.for_camera {
+        true => plan::room::view::importance(scene),
+        false => None,
+    };
+    let importance = |place, normal| match &of_camera {
+        Some(importance) => importance(place, normal),
+        None => 1.0,
+    };
     let drafted = |light: &Light<'_>| {
-        let draft = plan::patches::draft(scene, budget, light)?;
-        Ok((draft, plan::patches::fine(scene, FINE_PATCHES, light)?))
+        let draft = plan::patches::draft(scene, budget, light, of_camera.is_some())?;
+        let fine = plan::patches::fine(scene, FINE_PATCHES, light, &importance)?;
+        Ok((draft, fine))
     };
     let drafts = match flown(scene, looking, direct, &drafted) {
         Some(drafts) => drafts,
@@ -192,14 +202,11 @@ pub fn room(
         let found = light.terms(&receivers(places), emitters.clone(), sight);
         found.unwrap_or_else(|_| dark())
     };
-    let of_camera = match manner.for_camera {
-        true => plan::room::view::importance(scene),
-        false => None,
-    };
     let known = plan::room::Known {
-        importance: &|place, normal| match &of_camera {
-            Some(importance) => importance(place, normal),
-            None => 1.0,
+        importance: &importance,
+        shares: match of_camera {
+            Some(_) => shares::MOST_FOR_CAMERA,
+            None => shares::MOST,
         },
         draft: &draft,
         unshadowed: &|places| terms(places, 0..luminaires, Sight::None),

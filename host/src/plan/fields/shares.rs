@@ -28,6 +28,9 @@ const NOISE: f64 = 1e-4;
 /// The most samples that contribute to one value.
 pub const MOST: usize = 5;
 
+/// The same for a camera: bytes of weights are better spent on corners of meshes there.
+pub const MOST_FOR_CAMERA: usize = 3;
+
 /// A relative error, squared, at which no more samples are wanted.
 const WELL: f64 = 2e-5;
 
@@ -54,8 +57,9 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The samples, of those offered, that make up the target best, and their weights.
-pub fn fit(target: &[f64], offered: &[(usize, &[f64])]) -> Vec<(usize, f64)> {
+/// The samples, of those offered and no more than `most`, that make up the target best, and
+/// their weights.
+pub fn fit(target: &[f64], offered: &[(usize, &[f64])], most: usize) -> Vec<(usize, f64)> {
     let all = dot(target, target);
     let near: Vec<f64> = offered.iter().map(|(_, row)| dot(row, target)).collect();
     let lengths: Vec<f64> = offered.iter().map(|(_, row)| dot(row, row)).collect();
@@ -63,7 +67,7 @@ pub fn fit(target: &[f64], offered: &[(usize, &[f64])]) -> Vec<(usize, f64)> {
     let mut chosen: Vec<usize> = Vec::new();
     let mut weights = DVector::<f64>::zeros(0);
     let mut left: Vec<f64> = target.to_vec();
-    while chosen.len() < MOST && dot(&left, &left) > WELL * all {
+    while chosen.len() < most && dot(&left, &left) > WELL * all {
         let gain = |k: usize| dot(offered[k].1, &left).powi(2) / lengths[k];
         let best = (0..offered.len())
             .filter(|k| !chosen.contains(k) && lengths[*k] > FAINT * longest)

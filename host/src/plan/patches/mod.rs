@@ -16,13 +16,15 @@ mod project;
 mod refine;
 pub(crate) mod shapes;
 
+use super::room::view::Importance;
 use super::{Field, Plan, Sample, SurfacePlan, Tag, Unplannable, spacing};
 use crate::occlusion::Solids;
 use crate::scene::frame::Frame;
 use crate::scene::{Budget, Scene};
 use exposed::{Cell, Exposed};
+use glam::DVec3;
 use project::Known;
-use refine::{Guide, Refined, Refinement};
+use refine::{Borders, Guide, Refined, Refinement};
 
 pub use refine::{Light, Split};
 
@@ -81,8 +83,15 @@ const ERROR: f64 = 0.0225;
 /// it, and is often the darker for it. It makes the errors above a tenth half as many.
 const FINE_BORDERS: f64 = 4.0;
 
+/// Where all places count alike.
+const ALIKE: fn(DVec3) -> f64 = |_| 1.0;
+
 /// Samples for display that a patch is told its radiosity by, about.
 const SAMPLES_A_PATCH: usize = 4;
+
+/// The same for a camera: what fewer patches send is made up for where it looks, and their
+/// bytes are better spent on meshes there.
+const SAMPLES_A_PATCH_FOR_CAMERA: usize = 7;
 
 /// A room with fewer patches than this is better off with more of them than
 /// with more places on each.
@@ -124,7 +133,7 @@ pub fn first(scene: &Scene, direct: &Field<'_>) -> Result<Plan, Unplannable> {
     let patches = (FIRST_A_SURFACE * reflecting).min(FIRST_PATCHES);
     let coarse = (patches as f64 * FIRST_COARSE) as usize;
     let division = Division::at_will(patches, coarse, reflecting, &FIRST_PLACES);
-    divided(scene, &division, None, Guide::Direct(direct))
+    divided(scene, &division, None, Guide::Direct(direct), &ALIKE)
 }
 
 /// Patches for a plan that has its samples from elsewhere: as many as a budget of
@@ -133,11 +142,20 @@ pub fn first(scene: &Scene, direct: &Field<'_>) -> Result<Plan, Unplannable> {
 ///
 /// # Errors
 /// As [`linear`].
-pub fn draft(scene: &Scene, budget: &Budget, light: &Light<'_>) -> Result<Plan, Unplannable> {
+pub fn draft(
+    scene: &Scene,
+    budget: &Budget,
+    light: &Light<'_>,
+    for_camera: bool,
+) -> Result<Plan, Unplannable> {
     let reflecting = scene.surfaces.iter().filter(|s| s.reflects()).count();
     let most = (PATCHES_A_SURFACE * reflecting).min(DEFAULT_PATCHES);
+    let samples_a_patch = match for_camera {
+        true => SAMPLES_A_PATCH_FOR_CAMERA,
+        false => SAMPLES_A_PATCH,
+    };
     let (patches, error) = match budget.samples {
-        Some(samples) => (most.min(samples as usize / SAMPLES_A_PATCH), 0.0),
+        Some(samples) => (most.min(samples as usize / samples_a_patch), 0.0),
         None => (most, ERROR),
     };
     let coarse = (patches as f64 * COARSE) as usize;
@@ -145,28 +163,37 @@ pub fn draft(scene: &Scene, budget: &Budget, light: &Light<'_>) -> Result<Plan, 
         error,
         ..Division::at_will(patches, coarse, reflecting, &PLACES)
     };
-    divided(scene, &division, None, Guide::All(light))
+    divided(scene, &division, None, Guide::All(light), &ALIKE)
 }
 
 /// So many patches, more than a device shoots from, for a solution that tells what those of
-/// a plan miss; closest to each other where surfaces meet.
+/// a plan miss; closest to each other where surfaces meet, and there the more so the more
+/// the place counts.
 ///
 /// # Errors
 /// As [`linear`].
-pub fn fine(scene: &Scene, patches: usize, light: &Light<'_>) -> Result<Plan, Unplannable> {
+pub fn fine(
+    scene: &Scene,
+    patches: usize,
+    light: &Light<'_>,
+    importance: &Importance<'_>,
+) -> Result<Plan, Unplannable> {
     let reflecting = scene.surfaces.iter().filter(|s| s.reflects()).count();
     let coarse = (patches as f64 * COARSE) as usize;
-    let division = Division {
-        borders: FINE_BORDERS,
-        ..Division::at_will(patches, coarse, reflecting, &KNOWN)
+    let division = Division::at_will(patches, coarse, reflecting, &KNOWN);
+    let borders = |place: DVec3| {
+        // What adjoins may be seen better than the surface itself.
+        let normals = scene.surfaces.iter().map(|surface| surface.normal);
+        let counts = normals.map(|normal| importance(place, normal));
+        1.0 + (FINE_BORDERS - 1.0) * counts.fold(0.0, f64::max).sqrt()
     };
-    divided(scene, &division, None, Guide::All(light))
+    divided(scene, &division, None, Guide::All(light), &borders)
 }
 
 fn guided(scene: &Scene, budget: &Budget, guide: Guide<'_>) -> Result<Plan, Unplannable> {
     let reflecting = scene.surfaces.iter().filter(|s| s.reflects()).count();
     let division = Division::new(reflecting, budget, guide)?;
-    divided(scene, &division, budget.samples, guide)
+    divided(scene, &division, budget.samples, guide, &ALIKE)
 }
 
 fn divided(
@@ -174,6 +201,7 @@ fn divided(
     division: &Division,
     allowed: Option<u64>,
     guide: Guide<'_>,
+    borders: &Borders<'_>,
 ) -> Result<Plan, Unplannable> {
     let solids = Solids::of(scene);
     let exposed: Vec<Option<Exposed>> = (0..scene.surfaces.len())
@@ -190,7 +218,7 @@ fn divided(
         cells.into_iter().flatten().map(move |cell| (index, cell))
     };
     let start: Vec<(usize, Cell)> = exposed.iter().enumerate().flat_map(cut).collect();
-    let refinement = Refinement::new(scene, &exposed, guide, division.borders);
+    let refinement = Refinement::new(scene, &exposed, guide, borders);
     let coarse = refinement.refine(&start, division.coarse, division.error);
     let coarse = coarse.into_iter();
     let coarse: Vec<(usize, Cell)> = coarse.map(|r| (r.surface, r.cell)).collect();
@@ -232,8 +260,6 @@ struct Division {
     reflected: usize,
     /// What patches may miss of the radiosity: no more of them than that takes.
     error: f64,
-    /// What a cell's misfit counts where other surfaces adjoin.
-    borders: f64,
 }
 
 impl Division {
@@ -253,7 +279,6 @@ impl Division {
             direct,
             reflected,
             error: 0.0,
-            borders: 1.0,
         }
     }
 
@@ -264,7 +289,6 @@ impl Division {
             direct,
             reflected,
             error: 0.0,
-            borders: 1.0,
         };
         let Some(allowed) = budget.samples else {
             let patches = (PATCHES_A_SURFACE * reflecting).min(DEFAULT_PATCHES);

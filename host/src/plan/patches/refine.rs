@@ -28,6 +28,9 @@ const SLENDER: f64 = 2.5;
 /// Direct and reflected light at many places with their normals.
 pub type Split<'a> = dyn Fn(&[(DVec3, DVec3)]) -> Vec<[f64; 2]> + 'a;
 
+/// What the misfit of a cell counts where other surfaces adjoin, by its place.
+pub(super) type Borders<'a> = dyn Fn(DVec3) -> f64 + 'a;
+
 /// All light, and that of each luminaire.
 pub struct Light<'a> {
     /// With every luminaire on.
@@ -48,8 +51,7 @@ pub(super) struct Refinement<'a> {
     scene: &'a Scene,
     exposed: &'a [Option<Exposed>],
     guide: Guide<'a>,
-    /// What the misfit of a cell counts where other surfaces adjoin.
-    borders: f64,
+    borders: &'a Borders<'a>,
     /// The scene's own length in metres: the root of its area.
     length: f64,
 }
@@ -107,7 +109,7 @@ impl<'a> Refinement<'a> {
         scene: &'a Scene,
         exposed: &'a [Option<Exposed>],
         guide: Guide<'a>,
-        borders: f64,
+        borders: &'a Borders<'a>,
     ) -> Self {
         let area: f64 = scene.surfaces.iter().map(|surface| surface.area).sum();
         Self {
@@ -209,9 +211,12 @@ impl<'a> Refinement<'a> {
         };
         let varies = unknown * mean * cell.scale / self.length;
         let exposed = self.exposed[refined.surface].as_ref();
-        let near = match exposed.is_some_and(|exposed| exposed.borders(cell)) {
-            true => self.borders,
-            false => 1.0,
+        let near = match exposed.filter(|exposed| exposed.borders(cell)) {
+            Some(exposed) => {
+                let [u, v] = cell.center;
+                (self.borders)(exposed.frame.to_world(u, v))
+            }
+            None => 1.0,
         };
         let weight = near * self.reflectance(refined.surface) * cell.area.sqrt();
         Waiting {

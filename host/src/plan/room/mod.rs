@@ -57,6 +57,8 @@ pub struct Known<'a> {
     pub settled: &'a Sums<'a>,
     /// How much the error of a place counts.
     pub importance: &'a view::Importance<'a>,
+    /// The most samples that contribute to one value.
+    pub shares: usize,
 }
 
 impl Known<'_> {

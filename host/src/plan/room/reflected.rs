@@ -37,7 +37,9 @@ pub(super) struct Reflected {
     inside: Vec<[f64; 2]>,
     /// What they may receive.
     rows: Vec<Vec<f64>>,
-    /// What they receive of many patches, as a multiple of that.
+    /// What they receive of many patches.
+    settled: Vec<f64>,
+    /// The same as a multiple of what they receive of the patches.
     corrections: Vec<f64>,
     /// Nodes in the order in which they become samples.
     order: Vec<usize>,
@@ -45,6 +47,8 @@ pub(super) struct Reflected {
     without_camera: Vec<usize>,
     /// Why nodes would be samples, but for the camera.
     tags: Vec<Tag>,
+    /// The most samples that a node's value is made of.
+    most: usize,
 }
 
 /// Where the nodes of the tables go: as the vertices, but those on the surface's own
@@ -149,11 +153,14 @@ impl Reflected {
                 shares::row(&parts, &patches)
             })
             .collect();
-        let missed = (known.settled)(&places).into_iter().zip(&rows);
-        let corrections = missed.map(|(settled, row)| match row[0] > 0.0 {
-            true => (settled / row[0]).clamp(1.0 / CORRECTION, CORRECTION),
-            false => 1.0,
-        });
+        let settled = (known.settled)(&places);
+        let corrections = settled
+            .iter()
+            .zip(&rows)
+            .map(|(settled, row)| match row[0] > 0.0 {
+                true => (settled / row[0]).clamp(1.0 / CORRECTION, CORRECTION),
+                false => 1.0,
+            });
         let corrections: Vec<f64> = corrections.collect();
         let all: Vec<f64> = rows
             .iter()
@@ -195,10 +202,12 @@ impl Reflected {
             split,
             inside,
             rows,
+            settled,
             corrections,
             order: nodes_of(found),
             without_camera,
             tags,
+            most: known.shares,
         })
     }
 
@@ -230,10 +239,17 @@ impl Reflected {
                 .collect();
             let correction = self.corrections[k];
             let wanted: Vec<f64> = self.rows[k].iter().map(|x| x * correction).collect();
+            let mut shares = shares::fit(&wanted, &offered, self.most);
+            // No patch of the draft sends anything there, but there is light.
+            if let (true, Some((sample, row))) = (shares.is_empty(), offered.first())
+                && row[0] > 0.0
+            {
+                shares.push((*sample, (self.settled[k] / row[0]).min(CORRECTION)));
+            }
             Node {
                 place: self.nodes[k],
                 constant: 0.0,
-                shares: shares::fit(&wanted, &offered),
+                shares,
             }
         };
         let mesh = Mesh {

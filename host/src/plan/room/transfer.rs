@@ -88,8 +88,8 @@ fn patches(planned: &SurfacePlan, draft: &SurfacePlan, known: &Known<'_>) -> Vec
             .collect()
     });
     let with_members = |patch: &Patch| {
-        let mut members = direct.members(patch);
-        members.extend(reflected.members(patch));
+        let mut members = direct.members(patch, known.shares);
+        members.extend(reflected.members(patch, known.shares));
         Patch {
             members,
             ..patch.clone()
@@ -99,8 +99,9 @@ fn patches(planned: &SurfacePlan, draft: &SurfacePlan, known: &Known<'_>) -> Vec
 }
 
 impl Kind {
-    /// The samples and weights that tell a patch its mean and gradients.
-    fn members(&self, patch: &Patch) -> Vec<(usize, [f64; 3])> {
+    /// The samples, no more than `most` for each, and weights that tell a patch its mean and
+    /// gradients.
+    fn members(&self, patch: &Patch, most: usize) -> Vec<(usize, [f64; 3])> {
         let center = DVec2::from(patch.center);
         let mut near: Vec<&(usize, [f64; 2], Vec<f64>)> = self.samples.iter().collect();
         let distance =
@@ -119,7 +120,7 @@ impl Kind {
                     }
                 }
             }
-            for (sample, weight) in shares::fit(&target, &offered) {
+            for (sample, weight) in shares::fit(&target, &offered, most) {
                 match members.iter_mut().find(|(k, _)| *k == sample) {
                     Some((_, weights)) => weights[coefficient] = weight,
                     None => {

@@ -8,7 +8,7 @@ use glam::DVec3;
 pub type Importance<'a> = dyn Fn(DVec3, DVec3) -> f64 + Sync + 'a;
 
 /// What a place that the camera does not see still counts: its light reaches others.
-const UNSEEN: f64 = 0.05;
+const UNSEEN: f64 = 0.02;
 
 /// Rows of the picture in which pixels are counted.
 const ROWS: u32 = 64;
