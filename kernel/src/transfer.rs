@@ -66,7 +66,7 @@ pub trait Transfer {
     }
 
     /// Whether emitters may be points, which nothing hides and which light many samples
-    /// at once: [`received`](Self::received) gives the same, one by one.
+    /// at once: [`received`](Self::received) is not asked for these.
     const POINTS: bool = false;
 
     /// Whether looking for the brightest emitter costs more than a shot, so that all
@@ -97,28 +97,26 @@ pub trait Transfer {
 }
 
 impl<V: Visibility> Transfer for V {
-    const POINTS: bool = true;
+    const POINTS: bool = <V as Visibility>::POINTS;
 
     fn fits(scene: &Scene<'_>) -> Result<(), Error> {
         let (counts, needed, have) = (scene.counts(), scene.sight(), V::CAPACITIES);
         let occluders = if have.occluders { counts.occluders } else { 0 };
-        for (what, needed, have) in [
-            // Tables with codes have lost their occluders.
-            (What::Codes, counts.codes, 0),
-            (What::Fractions, counts.fractions, 0),
-            (What::Terms, counts.terms, 0),
-            (What::Responses, counts.responses, 0),
-            (What::Occluders, counts.occluders, occluders),
-            (What::Corners, needed.vertices, have.vertices),
-            (What::Pieces, needed.pieces, have.pieces),
-            (What::Lines, needed.lines, have.lines),
-            (What::Blockers, needed.blockers, have.blockers),
-        ] {
-            if needed > have {
-                return Err(Error::Capacity { what, needed, have });
-            }
+        // Tables with codes have lost their occluders.
+        refuse(What::Codes, counts.codes)?;
+        refuse(What::Fractions, counts.fractions)?;
+        refuse(What::Terms, counts.terms)?;
+        refuse(What::Responses, counts.responses)?;
+        within(What::Occluders, counts.occluders, occluders)?;
+        within(What::Corners, needed.vertices, have.vertices)?;
+        within(What::Pieces, needed.pieces, have.pieces)?;
+        within(What::Lines, needed.lines, have.lines)?;
+        within(What::Blockers, needed.blockers, have.blockers)?;
+        // A point lies at the centre of its shape.
+        match <V as Visibility>::POINTS {
+            true => Ok(()),
+            false => refuse(What::Shapes, counts.shapes),
         }
-        Ok(())
     }
 
     #[inline(always)]
@@ -275,13 +273,14 @@ impl Transfer for Vectors {
 
 /// Refuses what tables hold and a rung does not read.
 fn refuse(what: What, needed: u32) -> Result<(), Error> {
-    match needed {
-        0 => Ok(()),
-        _ => Err(Error::Capacity {
-            what,
-            needed,
-            have: 0,
-        }),
+    within(what, needed, 0)
+}
+
+/// Refuses tables with more than a type holds.
+pub(crate) fn within(what: What, needed: u32, have: u32) -> Result<(), Error> {
+    match needed <= have {
+        true => Ok(()),
+        false => Err(Error::Capacity { what, needed, have }),
     }
 }
 
