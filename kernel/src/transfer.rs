@@ -50,6 +50,18 @@ pub trait Transfer {
         radiosity: L,
     ) -> L::Colour;
 
+    /// As [`received`](Self::received), from an emitter that is no point.
+    #[inline(always)]
+    fn from_polygon<A: Arithmetic<f32>, L: Luminance>(
+        &mut self,
+        scene: &Scene<'_>,
+        receiver: &Receiver<f32>,
+        pair: Pair,
+        radiosity: L,
+    ) -> L::Colour {
+        self.received::<A, L>(scene, receiver, pair, radiosity)
+    }
+
     /// Adds what samples that follow each other receive from a secondary emitter, where
     /// that is read and nothing of them need be known but which they are; whether it is.
     /// `first` is counted as [`Pair::receiver`] is.
@@ -66,7 +78,7 @@ pub trait Transfer {
     }
 
     /// Whether emitters may be points, which nothing hides and which light many samples
-    /// at once: [`received`](Self::received) is not asked for these.
+    /// at once: [`received`](Self::received) gives the same, one by one.
     const POINTS: bool = false;
 
     /// Whether looking for the brightest emitter costs more than a shot, so that all
@@ -121,6 +133,21 @@ impl<V: Visibility> Transfer for V {
 
     #[inline(always)]
     fn received<A: Arithmetic<f32>, L: Luminance>(
+        &mut self,
+        scene: &Scene<'_>,
+        receiver: &Receiver<f32>,
+        pair: Pair,
+        radiosity: L,
+    ) -> L::Colour {
+        if <V as Visibility>::POINTS && scene.point_source(pair.emitter).is_some() {
+            let seen = scene.received::<A, L, V>(receiver, pair.emitter, radiosity, self);
+            return seen.middle();
+        }
+        self.from_polygon::<A, L>(scene, receiver, pair, radiosity)
+    }
+
+    #[inline(always)]
+    fn from_polygon<A: Arithmetic<f32>, L: Luminance>(
         &mut self,
         scene: &Scene<'_>,
         receiver: &Receiver<f32>,
