@@ -415,7 +415,7 @@ where
                     receiver: first.wrapping_add(number as u32),
                     unshadowed: is_luminaire && (number as u32) < surface.unshadowed,
                 };
-                let more = sight.from_polygon::<A, L>(&scene, &receiver, pair, radiosity);
+                let more = sight.of_polygon::<A, L>(&scene, &receiver, pair, radiosity);
                 *value = value.plus(more);
             });
         }

@@ -52,7 +52,7 @@ pub trait Transfer {
 
     /// As [`received`](Self::received), from an emitter that is no point.
     #[inline(always)]
-    fn from_polygon<A: Arithmetic<f32>, L: Luminance>(
+    fn of_polygon<A: Arithmetic<f32>, L: Luminance>(
         &mut self,
         scene: &Scene<'_>,
         receiver: &Receiver<f32>,
@@ -143,11 +143,11 @@ impl<V: Visibility> Transfer for V {
             let seen = scene.received::<A, L, V>(receiver, pair.emitter, radiosity, self);
             return seen.middle();
         }
-        self.from_polygon::<A, L>(scene, receiver, pair, radiosity)
+        self.of_polygon::<A, L>(scene, receiver, pair, radiosity)
     }
 
     #[inline(always)]
-    fn from_polygon<A: Arithmetic<f32>, L: Luminance>(
+    fn of_polygon<A: Arithmetic<f32>, L: Luminance>(
         &mut self,
         scene: &Scene<'_>,
         receiver: &Receiver<f32>,
