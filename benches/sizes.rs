@@ -1,5 +1,6 @@
 //! What firmwares of several kinds of scene take of flash, RAM and stack: the program
-//! `yours` of tests/firmware, linked for size (`opt-level = "s"`) and for speed (3).
+//! `yours` of tests/firmware, linked for size (`opt-level = "s"`, the kernel's feature
+//! `small`) and for speed (3).
 //!
 //! ```text
 //! cargo bench --bench sizes              prints the table

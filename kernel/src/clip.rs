@@ -152,7 +152,8 @@ impl<C> Gap<C> {
 }
 
 /// Where the edge from an inner to an outer corner crosses the boundary.
-#[inline]
+#[cfg_attr(feature = "small", inline(never))]
+#[cfg_attr(not(feature = "small"), inline)]
 fn crossing<N: Number, C: Corner<N>>(inner: &C, outer: &C) -> C {
     let (inner_height, outer_height) = (inner.height(), outer.height());
     let drop = inner_height - outer_height;

@@ -38,7 +38,7 @@ use crate::form_factor::Arithmetic;
 use crate::geometry::Receiver;
 use crate::luminance::{Colour, Constant, Luminance};
 use crate::scene::Scene;
-use crate::transfer::{Pair, Transfer};
+use crate::transfer::{Pair, Transfer, within};
 use crate::visibility::{Bracket, Unoccluded, Visibility};
 use core::marker::PhantomData;
 use heapless::Vec;
@@ -152,15 +152,9 @@ where
         self.form_factors = 0;
         let counts = scene.counts();
         let surfaces = if SURFACES > 0 { counts.surfaces } else { 0 };
-        for (what, needed, have) in [
-            (What::Samples, counts.samples, SAMPLES as u32),
-            (What::Emitters, counts.emitters, EMITTERS as u32),
-            (What::Surfaces, surfaces, SURFACES as u32),
-        ] {
-            if needed > have {
-                return Err(Error::Capacity { what, needed, have });
-            }
-        }
+        within(What::Samples, counts.samples, SAMPLES as u32)?;
+        within(What::Emitters, counts.emitters, EMITTERS as u32)?;
+        within(What::Surfaces, surfaces, SURFACES as u32)?;
         let (channels, coefficients) = (L::Colour::CHANNELS as u32, L::COEFFICIENTS as u32);
         let weights = if L::WEIGHTED {
             counts.members.saturating_mul(coefficients)
@@ -421,7 +415,7 @@ where
                     receiver: first.wrapping_add(number as u32),
                     unshadowed: is_luminaire && (number as u32) < surface.unshadowed,
                 };
-                let more = sight.received::<A, L>(&scene, &receiver, pair, radiosity);
+                let more = sight.of_polygon::<A, L>(&scene, &receiver, pair, radiosity);
                 *value = value.plus(more);
             });
         }

@@ -50,6 +50,18 @@ pub trait Transfer {
         radiosity: L,
     ) -> L::Colour;
 
+    /// As [`received`](Self::received), from an emitter that is no point.
+    #[inline(always)]
+    fn of_polygon<A: Arithmetic<f32>, L: Luminance>(
+        &mut self,
+        scene: &Scene<'_>,
+        receiver: &Receiver<f32>,
+        pair: Pair,
+        radiosity: L,
+    ) -> L::Colour {
+        self.received::<A, L>(scene, receiver, pair, radiosity)
+    }
+
     /// Adds what samples that follow each other receive from a secondary emitter, where
     /// that is read and nothing of them need be known but which they are; whether it is.
     /// `first` is counted as [`Pair::receiver`] is.
@@ -97,32 +109,45 @@ pub trait Transfer {
 }
 
 impl<V: Visibility> Transfer for V {
-    const POINTS: bool = true;
+    const POINTS: bool = <V as Visibility>::POINTS;
 
     fn fits(scene: &Scene<'_>) -> Result<(), Error> {
         let (counts, needed, have) = (scene.counts(), scene.sight(), V::CAPACITIES);
         let occluders = if have.occluders { counts.occluders } else { 0 };
-        for (what, needed, have) in [
-            // Tables with codes have lost their occluders.
-            (What::Codes, counts.codes, 0),
-            (What::Fractions, counts.fractions, 0),
-            (What::Terms, counts.terms, 0),
-            (What::Responses, counts.responses, 0),
-            (What::Occluders, counts.occluders, occluders),
-            (What::Corners, needed.vertices, have.vertices),
-            (What::Pieces, needed.pieces, have.pieces),
-            (What::Lines, needed.lines, have.lines),
-            (What::Blockers, needed.blockers, have.blockers),
-        ] {
-            if needed > have {
-                return Err(Error::Capacity { what, needed, have });
-            }
+        // Tables with codes have lost their occluders.
+        refuse(What::Codes, counts.codes)?;
+        refuse(What::Fractions, counts.fractions)?;
+        refuse(What::Terms, counts.terms)?;
+        refuse(What::Responses, counts.responses)?;
+        within(What::Occluders, counts.occluders, occluders)?;
+        within(What::Corners, needed.vertices, have.vertices)?;
+        within(What::Pieces, needed.pieces, have.pieces)?;
+        within(What::Lines, needed.lines, have.lines)?;
+        within(What::Blockers, needed.blockers, have.blockers)?;
+        // A point lies at the centre of its shape.
+        match <V as Visibility>::POINTS {
+            true => Ok(()),
+            false => refuse(What::Shapes, counts.shapes),
         }
-        Ok(())
     }
 
     #[inline(always)]
     fn received<A: Arithmetic<f32>, L: Luminance>(
+        &mut self,
+        scene: &Scene<'_>,
+        receiver: &Receiver<f32>,
+        pair: Pair,
+        radiosity: L,
+    ) -> L::Colour {
+        if <V as Visibility>::POINTS && scene.point_source(pair.emitter).is_some() {
+            let seen = scene.received::<A, L, V>(receiver, pair.emitter, radiosity, self);
+            return seen.middle();
+        }
+        self.of_polygon::<A, L>(scene, receiver, pair, radiosity)
+    }
+
+    #[inline(always)]
+    fn of_polygon<A: Arithmetic<f32>, L: Luminance>(
         &mut self,
         scene: &Scene<'_>,
         receiver: &Receiver<f32>,
@@ -275,13 +300,14 @@ impl Transfer for Vectors {
 
 /// Refuses what tables hold and a rung does not read.
 fn refuse(what: What, needed: u32) -> Result<(), Error> {
-    match needed {
-        0 => Ok(()),
-        _ => Err(Error::Capacity {
-            what,
-            needed,
-            have: 0,
-        }),
+    within(what, needed, 0)
+}
+
+/// Refuses tables with more than a type holds.
+pub(crate) fn within(what: What, needed: u32, have: u32) -> Result<(), Error> {
+    match needed <= have {
+        true => Ok(()),
+        false => Err(Error::Capacity { what, needed, have }),
     }
 }
 

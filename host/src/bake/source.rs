@@ -9,6 +9,7 @@
 use super::names::{Names, listed};
 use crate::solve::{FormFactorRung, Rung, Sight};
 use isolux::integers;
+use isolux::scene::parts;
 use isolux::scene::records::{self, Counts};
 use zerocopy::FromBytes;
 
@@ -180,6 +181,8 @@ fn transfer(head: &Head, sight: Sight) -> [String; 2] {
             ["", "::"].map(|of| format!("isolux::transfer::Matrix{of}<{bits}>"))
         }
         _ if head.counts.is_coded() => ["isolux::transfer::Codes"; 2].map(str::to_owned),
+        // No emitter without a shape is a point.
+        _ if head.counts.shapes == 0 => ["isolux::visibility::Polygons"; 2].map(str::to_owned),
         _ if head.counts.occluders == 0 => ["isolux::visibility::Unoccluded"; 2].map(str::to_owned),
         Sight::VertexRays => ["isolux::visibility::VertexRays"; 2].map(str::to_owned),
         Sight::Exact | Sight::None => [
@@ -204,6 +207,23 @@ fn rung(arithmetic: FormFactorRung) -> &'static str {
     }
 }
 
+/// The parts of tables with these counts, as the kernel names them.
+fn named_parts(counts: &Counts) -> String {
+    let there = parts::of(counts);
+    let names = [
+        (parts::OCCLUDERS, "parts::OCCLUDERS"),
+        (parts::WRITTEN, "parts::WRITTEN"),
+        (parts::FIELDS, "parts::FIELDS"),
+        (parts::SHAPES, "parts::SHAPES"),
+    ];
+    let names = names.into_iter().filter(|(part, _)| there & part != 0);
+    let names: Vec<&str> = names.map(|(_, name)| name).collect();
+    match names.is_empty() {
+        true => "parts::NONE".to_owned(),
+        false => names.join(" | "),
+    }
+}
+
 fn float_types(described: &Described<'_>, head: &Head) -> String {
     let (luminance, colour) = luminance(&head.counts);
     let [transfer, workspace] = transfer(head, described.sight);
@@ -224,6 +244,7 @@ fn float_types(described: &Described<'_>, head: &Head) -> String {
         false => ("", 0),
     };
     let bytes = isolux::budget::light_bytes(&head.counts) + reflectances + workspace_bytes;
+    let parts = named_parts(&head.counts);
     format!(
         "
 #[allow(unused_imports)]
@@ -260,12 +281,13 @@ const _: () = assert!(
 /// The light of no scene; `enter` gives it one.
 pub const DARK: Light = isolux::shoot::Light::empty({workspace});
 
-/// Checks the tables and borrows them.
+/// Checks the tables and borrows them; of parts that they do not have no check is linked.
 ///
 /// # Errors
 /// Where flash does not hold what was baked.
 pub fn load() -> Result<isolux::scene::Scene<'static>, isolux::Error> {{
-    isolux::scene::Scene::load(&TABLES.0)
+    use isolux::scene::parts;
+    isolux::scene::Scene::load_with::<{{ {parts} }}>(&TABLES.0)
 }}
 "
     )

@@ -18,7 +18,7 @@ const PROGRAM: &str = "yours";
 pub enum Optimised {
     /// Few instructions: `opt-level = 3`.
     Speed,
-    /// Few bytes: `opt-level = "s"`.
+    /// Few bytes: `opt-level = "s"` and the kernel's feature `small`.
     Size,
 }
 
@@ -73,12 +73,15 @@ pub fn linked(
     let disassembler = toolchain.tool("llvm-objdump")?;
     let directory = tempfile::tempdir().map_err(Error::io("creating a temporary directory"))?;
     let program = directory.path().join(PROGRAM);
-    let features: &[&str] = match samples_alone {
-        true => &["samples-alone", "ladder"],
-        false => &["ladder"],
-    };
+    let mut features = vec!["ladder"];
+    if samples_alone {
+        features.push("samples-alone");
+    }
+    if optimised == Optimised::Size {
+        features.push("small");
+    }
     let build = Build {
-        features,
+        features: &features,
         bare: true,
         profile: optimised.profile(),
         environment: &[("ISOLUX_BAKED", baked.as_os_str())],

@@ -39,7 +39,8 @@ impl<N: Floating> Vertex<N> {
 }
 
 /// γ n·c/|c| of an edge, in turns.
-#[inline(always)]
+#[cfg_attr(feature = "small", inline(never))]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn term<const DEGREE: usize, N: Floating>(normal: Vector<N>, a: &Vertex<N>, b: &Vertex<N>) -> N {
     let (a, b, product) = (a.position, b.position, a.squared * b.squared);
     let d = a.dot(b);

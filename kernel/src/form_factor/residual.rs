@@ -105,7 +105,8 @@ struct Sum<N> {
 }
 
 impl<N: Number> Residual<N> {
-    #[inline(always)]
+    #[cfg_attr(feature = "small", inline(never))]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn add(&self, sum: Sum<N>, a: Vertex<N>, b: Vertex<N>) -> Sum<N> {
         let half = N::of(0.5);
         let e = b.offset - a.offset;

@@ -80,14 +80,16 @@ struct Snell<const DEGREE: usize>;
 
 /// The angle between two vectors, in turns, over its sine times their lengths; past 90°,
 /// that of the supplement. `twice` = 2|a||b|, `d` = |a·b|.
-#[inline(always)]
+#[cfg_attr(feature = "small", inline(never))]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn per_sine<const DEGREE: usize, N: Number>(twice: N, d: N) -> N {
     let inverse = N::ONE / (twice + d);
     turn_over_sine::<DEGREE, N>(d * inverse) * inverse
 }
 
 /// γ of two vertices in turns, from |a×b|.
-#[inline]
+#[cfg_attr(feature = "small", inline(never))]
+#[cfg_attr(not(feature = "small"), inline)]
 fn angle<const DEGREE: usize, N: Floating, R>(a: &Vertex<N, R>, b: &Vertex<N, R>, sine: N) -> N {
     let (d, r) = (a.position.dot(b.position), a.norm * b.norm);
     if r <= N::ZERO {
@@ -103,7 +105,8 @@ fn angle<const DEGREE: usize, N: Floating, R>(a: &Vertex<N, R>, b: &Vertex<N, R>
 
 /// γ n·c/|c| of an edge above the horizon, or `None` where it is seen under
 /// nearly 180°. `twice` = 2|a|.
-#[inline(always)]
+#[cfg_attr(feature = "small", inline(never))]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn plain_term<const DEGREE: usize, N: Floating, R: Root<N>>(
     normal: Vector<N>,
     (a, twice): (Vector<N>, N),
@@ -189,7 +192,8 @@ impl<'a, const DEGREE: usize, N: Floating, R: Root<N> + Copy> Edges<N, Tracked<'
 
     /// γ n·c/|c| with γ of the part and c of the whole edge: close to an edge,
     /// rounding a crossing would turn the plane it spans with the receiver.
-    #[inline(always)]
+    #[cfg_attr(feature = "small", inline(never))]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn cut(
         &self,
         sum: Tally<DEGREE, N>,

@@ -125,7 +125,8 @@ impl View {
     }
 
     /// A parallelogram by a product of Gauss rules on [−1, 1].
-    #[inline]
+    #[cfg_attr(feature = "small", inline(never))]
+    #[cfg_attr(not(feature = "small"), inline)]
     fn gauss(
         &self,
         sum: &mut Moments,
@@ -158,7 +159,8 @@ impl View {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "small", inline(never))]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn node(&self, sum: &mut Moments, [a, b]: [f32; 2], weight: f32) {
         let [height, height_a, height_b] = self.height;
         let [squared, along_a, along_b, unit] = self.squared;

@@ -123,16 +123,38 @@ pub fn residual_arctangent<N: Number>(w: N) -> N {
     horner(&RESIDUAL, w)
 }
 
+/// A polynomial by Horner's rule, of at most nine terms.
+///
+/// Written out: as a loop, which it stays where the compiler is to save bytes, it would
+/// round every coefficient while it runs, in software.
 #[inline(always)]
 fn horner<N: Number, const TERMS: usize>(ascending: &[f64; TERMS], x: N) -> N {
-    let [lower @ .., highest] = ascending.as_slice() else {
-        return N::ZERO;
-    };
-    let mut sum = N::of(*highest);
-    for &coefficient in lower.iter().rev() {
-        sum = sum * x + N::of(coefficient);
+    const { assert!(TERMS <= 9) }
+    let mut sum = N::ZERO;
+    sum = with_term(ascending, x, sum, 8);
+    sum = with_term(ascending, x, sum, 7);
+    sum = with_term(ascending, x, sum, 6);
+    sum = with_term(ascending, x, sum, 5);
+    sum = with_term(ascending, x, sum, 4);
+    sum = with_term(ascending, x, sum, 3);
+    sum = with_term(ascending, x, sum, 2);
+    sum = with_term(ascending, x, sum, 1);
+    with_term(ascending, x, sum, 0)
+}
+
+/// Horner's step to the coefficient of x^`power`; the sum itself above the highest.
+#[inline(always)]
+fn with_term<N: Number, const TERMS: usize>(
+    ascending: &[f64; TERMS],
+    x: N,
+    sum: N,
+    power: usize,
+) -> N {
+    match ascending.get(power) {
+        Some(&highest) if power + 1 == TERMS => N::of(highest),
+        Some(&coefficient) => sum * x + N::of(coefficient),
+        None => sum,
     }
-    sum
 }
 
 #[cfg(test)]

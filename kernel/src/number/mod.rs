@@ -114,7 +114,9 @@ impl Floating for f64 {
 /// Both products are taken exactly, as a sum of two numbers (Dekker 1971), for
 /// magnitudes between 2⁻⁵⁰ and 2⁵⁰ in `f32`. 40 operations, none of them fused:
 /// the device has no fused operation that is not emulated. Never panics.
-#[inline]
+///
+/// By itself: what needs it is rare, and takes it three times.
+#[inline(never)]
 pub fn difference_of_products<N: Floating>(a: N, b: N, c: N, d: N) -> N {
     let ((ab, ab_rest), (cd, cd_rest)) = (exact_product(a, b), exact_product(c, d));
     (ab - cd) + (ab_rest - cd_rest)

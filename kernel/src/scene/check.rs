@@ -1,7 +1,7 @@
 //! Everything that is demanded of tables, once.
 
-use super::Scene;
 use super::records::{Counts, Loop, Sight, Surface, checksum};
+use super::{Scene, parts};
 use crate::Error;
 use crate::error::What;
 use crate::visibility::records::Occluders;
@@ -61,7 +61,8 @@ pub(crate) fn header<'t, H: FromBytes + Immutable + KnownLayout>(
 }
 
 /// Every record: its numbers finite and in their domain, its ranges inside.
-pub(super) fn records(scene: &Scene<'_>) -> Result<(), Error> {
+#[inline(always)]
+pub(super) fn records(scene: &Scene<'_>, named: u32) -> Result<(), Error> {
     let (tolerance, ahead) = (scene.header.tolerance, scene.header.ahead);
     numbers(
         What::Header,
@@ -96,7 +97,14 @@ pub(super) fn records(scene: &Scene<'_>) -> Result<(), Error> {
     all(What::Corners, scene.corners, |corner| {
         corner.iter().all(|x| (-CORNER..=CORNER).contains(x))
     })?;
-    occluders(scene)?;
+    for (index, shape) in (0..).zip(scene.shapes) {
+        let blockers = scene.header.counts.blockers;
+        let sound = inside(shape.first_blocker, shape.blockers, blockers);
+        ranges(What::Shapes, index, sound)?;
+    }
+    if named & parts::OCCLUDERS != 0 {
+        occluders(scene)?;
+    }
     all(What::Samples, scene.samples, |place| coordinates(place))?;
     all(What::Weights, scene.weights, |weight| {
         (-HEAVIEST..=HEAVIEST).contains(weight)
@@ -106,11 +114,17 @@ pub(super) fn records(scene: &Scene<'_>) -> Result<(), Error> {
         ranges(What::Members, index, there)?;
     }
     points(scene)?;
-    codes(scene)?;
-    super::fields::check(scene)
+    if named & parts::WRITTEN != 0 {
+        codes(scene)?;
+    }
+    if named & parts::FIELDS != 0 {
+        super::fields::check(scene)?;
+    }
+    Ok(())
 }
 
 /// One code, term or fraction for each pair, and no occluders beside them.
+#[inline(always)]
 fn codes(scene: &Scene<'_>) -> Result<(), Error> {
     let counts = &scene.header.counts;
     let pairs = |of_luminaires, emitters: u32| {
@@ -147,6 +161,7 @@ fn codes(scene: &Scene<'_>) -> Result<(), Error> {
 }
 
 /// One response for each luminaire, channel and sample, and nothing that reflects.
+#[inline(always)]
 fn responses(scene: &Scene<'_>) -> Result<(), Error> {
     let counts = &scene.header.counts;
     let rows = u64::from(counts.luminaires).saturating_mul(counts.channels.into());
@@ -161,6 +176,7 @@ fn responses(scene: &Scene<'_>) -> Result<(), Error> {
 }
 
 /// Named points have one sample each, which receives all light.
+#[inline(always)]
 fn points(scene: &Scene<'_>) -> Result<(), Error> {
     for (index, point) in (0..).zip(scene.points()) {
         let sound =
@@ -190,6 +206,7 @@ fn counts_agree(counts: &Counts) -> bool {
         }
 }
 
+#[inline(always)]
 fn surfaces(scene: &Scene<'_>) -> Result<(), Error> {
     all(What::Surfaces, scene.surfaces, surface_is_sound)?;
     let mut sample = 0_u32;
@@ -203,12 +220,18 @@ fn surfaces(scene: &Scene<'_>) -> Result<(), Error> {
         // All samples receive all light, or each one kind of it.
         let of_a_kind = surface.direct.checked_add(surface.indirect);
         let sound = of_a_kind.is_some_and(|some| some == 0 || some == surface.samples)
-            && surface.unshadowed <= surface.direct;
+            && surface.unshadowed <= surface.direct
+            && inside(
+                surface.first_field,
+                surface.fields,
+                scene.header.counts.fields,
+            );
         ranges(What::Surfaces, index, sound)?;
     }
     ranges(What::Samples, sample, sample == scene.header.counts.samples)
 }
 
+#[inline(always)]
 fn emitters(scene: &Scene<'_>) -> Result<(), Error> {
     let counts = &scene.header.counts;
     all(What::Emitters, scene.emitters, |emitter| {
@@ -227,6 +250,7 @@ fn emitters(scene: &Scene<'_>) -> Result<(), Error> {
 }
 
 /// Occluders and the lists of them.
+#[inline(always)]
 fn occluders(scene: &Scene<'_>) -> Result<(), Error> {
     let counts = &scene.header.counts;
     let Occluders {
@@ -258,10 +282,6 @@ fn occluders(scene: &Scene<'_>) -> Result<(), Error> {
     all(What::Places, vertices, |vertex| coordinates(vertex))?;
     for (index, blocker) in (0..).zip(scene.blockers) {
         ranges(What::Blockers, index, blocker.occluder < counts.occluders)?;
-    }
-    for (index, shape) in (0..).zip(scene.shapes) {
-        let sound = inside(shape.first_blocker, shape.blockers, counts.blockers);
-        ranges(What::Shapes, index, sound)?;
     }
     Ok(())
 }

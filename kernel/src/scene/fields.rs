@@ -191,17 +191,13 @@ const STEEPEST: f32 = 64.0;
 const LARGEST: f32 = 1e16;
 
 /// Every record: its numbers finite and in their domain, its ranges inside.
+#[inline(always)]
 pub(super) fn check(scene: &Scene<'_>) -> Result<(), Error> {
     let counts = &scene.header.counts;
     let fields = scene.fields;
     for (index, surface) in (0..).zip(scene.surfaces) {
-        let sound = inside(surface.first_field, surface.fields, counts.fields);
-        ranges(What::Surfaces, index, sound)?;
-        ranges(
-            What::Fields,
-            index,
-            fields.room(surface) <= counts.room as usize,
-        )?;
+        let sound = fields.room(surface) <= counts.room as usize;
+        ranges(What::Fields, index, sound)?;
     }
     for (index, field) in (0..).zip(fields.fields) {
         let there = |index: u32, count: u32| index == NONE || index < count;

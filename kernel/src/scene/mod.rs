@@ -80,6 +80,7 @@ pub(crate) mod check;
 mod coded;
 pub mod fields;
 pub(crate) mod matrix;
+pub mod parts;
 mod point;
 mod received;
 pub mod records;
@@ -187,9 +188,25 @@ impl<'t> Scene<'t> {
     /// # Errors
     /// Every variant of [`Error`] that speaks of tables; see there.
     pub fn load(tables: &'t [u8]) -> Result<Self, Error> {
+        Self::load_with::<{ parts::ALL }>(tables)
+    }
+
+    /// As [`load`](Self::load), of tables that have no [`parts`] but these: no check of
+    /// others is linked. What a bake writes calls it with those of its tables.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load), and [`Error::Capacity`] where tables have other parts.
+    pub fn load_with<const PARTS: u32>(tables: &'t [u8]) -> Result<Self, Error> {
         let (header, rest) = check::header(tables, &MAGIC, VERSION, |header: &Header| {
             required_bytes(&header.counts)
         })?;
+        parts::within(PARTS, &header.counts)?;
+        // Of parts that are not named there is nothing: the compiler is to know it.
+        let of_part = |part: u32, count: u32| if PARTS & part == 0 { 0 } else { count };
+        let hiding = |count| of_part(parts::OCCLUDERS, count);
+        let written = |count| of_part(parts::WRITTEN, count);
+        let made = |count| of_part(parts::FIELDS, count);
+        let shaped = |count| of_part(parts::SHAPES, count);
         let counts = &header.counts;
         let (surfaces, rest) = section::<Surface>(rest, receiving(counts))?;
         let (reflectances, rest) =
@@ -197,30 +214,30 @@ impl<'t> Scene<'t> {
         let (emitters, rest) = section::<Emitter>(rest, counts.emitters)?;
         let (exitances, rest) =
             section::<f32>(rest, counts.luminaires.saturating_mul(counts.channels))?;
-        let (shapes, rest) = section::<Shape>(rest, counts.shapes)?;
+        let (shapes, rest) = section::<Shape>(rest, shaped(counts.shapes))?;
         let (loops, rest) = section::<Loop>(rest, counts.loops)?;
         let (vertices, rest) = section::<[f32; 3]>(rest, counts.vertices)?;
-        let (corners, rest) = section::<[f32; 2]>(rest, counts.corners)?;
-        let (occluders, rest) = section::<Occluder>(rest, counts.occluders)?;
-        let (faces, rest) = section::<Face>(rest, counts.faces)?;
-        let (edges, rest) = section::<Edge>(rest, counts.edges)?;
-        let (places, rest) = section::<[f32; 3]>(rest, counts.places)?;
-        let (blockers, rest) = section::<Blocker>(rest, counts.blockers)?;
+        let (corners, rest) = section::<[f32; 2]>(rest, shaped(counts.corners))?;
+        let (occluders, rest) = section::<Occluder>(rest, hiding(counts.occluders))?;
+        let (faces, rest) = section::<Face>(rest, hiding(counts.faces))?;
+        let (edges, rest) = section::<Edge>(rest, hiding(counts.edges))?;
+        let (places, rest) = section::<[f32; 3]>(rest, hiding(counts.places))?;
+        let (blockers, rest) = section::<Blocker>(rest, hiding(counts.blockers))?;
         let (samples, rest) = section::<[f32; 2]>(rest, counts.samples)?;
         let (weights, rest) = section::<f32>(rest, counts.weights)?;
         let (members, rest) = section::<u16>(rest, even(counts.members))?;
-        let (scales, rest) = section::<f32>(rest, matrix::scales(counts))?;
-        let fractions = counts.fractions.saturating_add(counts.responses);
+        let (scales, rest) = section::<f32>(rest, written(matrix::scales(counts)))?;
+        let fractions = written(counts.fractions.saturating_add(counts.responses));
         let (half_words, rest) = section::<u16>(rest, even(fractions))?;
         let codes = coded::bytes(counts).saturating_add(matrix::bytes(counts));
-        let (codes, rest) = section::<u8>(rest, u32::try_from(codes).unwrap_or(u32::MAX))?;
-        let (fields, rest) = section::<Field>(rest, counts.fields)?;
-        let (tensors, rest) = section::<Tensor>(rest, counts.tensors)?;
-        let (matrices, rest) = section::<f32>(rest, counts.matrices)?;
-        let (meshes, rest) = section::<Mesh>(rest, counts.meshes)?;
-        let (nodes, rest) = section::<Node>(rest, counts.nodes)?;
-        let (shares, rest) = section::<Share>(rest, counts.shares)?;
-        let (triangles, _) = section::<[u16; 3]>(rest, counts.triangles)?;
+        let (codes, rest) = section::<u8>(rest, written(u32::try_from(codes).unwrap_or(u32::MAX)))?;
+        let (fields, rest) = section::<Field>(rest, made(counts.fields))?;
+        let (tensors, rest) = section::<Tensor>(rest, made(counts.tensors))?;
+        let (matrices, rest) = section::<f32>(rest, made(counts.matrices))?;
+        let (meshes, rest) = section::<Mesh>(rest, made(counts.meshes))?;
+        let (nodes, rest) = section::<Node>(rest, made(counts.nodes))?;
+        let (shares, rest) = section::<Share>(rest, made(counts.shares))?;
+        let (triangles, _) = section::<[u16; 3]>(rest, made(counts.triangles))?;
         let scene = Self {
             header,
             surfaces,
@@ -255,7 +272,7 @@ impl<'t> Scene<'t> {
                 triangles,
             },
         };
-        check::records(&scene)?;
+        check::records(&scene, PARTS)?;
         Ok(scene)
     }
 
@@ -377,6 +394,16 @@ impl<'t> Scene<'t> {
             true => 0,
             false => self.header.counts.coefficients,
         };
+        self.members_with(emitter, stride)
+    }
+
+    /// The same, each with so many weights.
+    #[inline(always)]
+    pub(crate) fn members_with(
+        &self,
+        emitter: &Emitter,
+        stride: u32,
+    ) -> impl Iterator<Item = (usize, &'t [f32])> + use<'t> {
         let weights = self.weights;
         (emitter.first_member..)
             .zip(slice(self.members, emitter.first_member, emitter.members))
@@ -474,52 +501,50 @@ pub(crate) const fn even(half_words: u32) -> u32 {
 /// Bytes of tables with these counts: what a bake writes and
 /// [`Scene::load`] demands. `None` where they exceed 4 GiB.
 pub const fn required_bytes(counts: &Counts) -> Option<u32> {
-    let channels = counts.channels as u64;
-    // No product of two 32-bit numbers and no record's size comes near 2^64.
-    let sections = [
-        (receiving(counts) as u64, size_of::<Surface>() as u64),
-        (counts.surfaces as u64, 4 * channels),
-        (counts.emitters as u64, size_of::<Emitter>() as u64),
-        (counts.luminaires as u64, 4 * channels),
-        (counts.shapes as u64, size_of::<Shape>() as u64),
-        (counts.loops as u64, size_of::<Loop>() as u64),
-        (counts.vertices as u64, size_of::<[f32; 3]>() as u64),
-        (counts.corners as u64, size_of::<[f32; 2]>() as u64),
-        (counts.occluders as u64, size_of::<Occluder>() as u64),
-        (counts.faces as u64, size_of::<Face>() as u64),
-        (counts.edges as u64, size_of::<Edge>() as u64),
-        (counts.places as u64, size_of::<[f32; 3]>() as u64),
-        (counts.blockers as u64, size_of::<Blocker>() as u64),
-        (counts.samples as u64, size_of::<[f32; 2]>() as u64),
-        (counts.weights as u64, size_of::<f32>() as u64),
-        (even(counts.members) as u64, size_of::<u16>() as u64),
-        (matrix::scales(counts) as u64, size_of::<f32>() as u64),
-        (
-            even(counts.fractions.saturating_add(counts.responses)) as u64,
-            size_of::<u16>() as u64,
-        ),
-        (coded::bytes(counts) + matrix::bytes(counts), 1),
-        (counts.fields as u64, size_of::<Field>() as u64),
-        (counts.tensors as u64, size_of::<Tensor>() as u64),
-        (counts.matrices as u64, size_of::<f32>() as u64),
-        (counts.meshes as u64, size_of::<Mesh>() as u64),
-        (counts.nodes as u64, size_of::<Node>() as u64),
-        (counts.shares as u64, size_of::<Share>() as u64),
+    // More channels than any tables have: held where no sum below leaves 64 bits.
+    let channels = if counts.channels > 0xffff {
+        0xffff
+    } else {
+        counts.channels
+    };
+    let half_words = even(counts.fractions.saturating_add(counts.responses));
+    let bytes = size_of::<Header>() as u64
+        + section_bytes::<Surface>(receiving(counts))
+        + counts.surfaces as u64 * (4 * channels) as u64
+        + section_bytes::<Emitter>(counts.emitters)
+        + counts.luminaires as u64 * (4 * channels) as u64
+        + section_bytes::<Shape>(counts.shapes)
+        + section_bytes::<Loop>(counts.loops)
+        + section_bytes::<[f32; 3]>(counts.vertices)
+        + section_bytes::<[f32; 2]>(counts.corners)
+        + section_bytes::<Occluder>(counts.occluders)
+        + section_bytes::<Face>(counts.faces)
+        + section_bytes::<Edge>(counts.edges)
+        + section_bytes::<[f32; 3]>(counts.places)
+        + section_bytes::<Blocker>(counts.blockers)
+        + section_bytes::<[f32; 2]>(counts.samples)
+        + section_bytes::<f32>(counts.weights)
+        + section_bytes::<u16>(even(counts.members))
+        + section_bytes::<f32>(matrix::scales(counts))
+        + section_bytes::<u16>(half_words)
+        + coded::bytes(counts)
+        + matrix::bytes(counts)
+        + section_bytes::<Field>(counts.fields)
+        + section_bytes::<Tensor>(counts.tensors)
+        + section_bytes::<f32>(counts.matrices)
+        + section_bytes::<Mesh>(counts.meshes)
+        + section_bytes::<Node>(counts.nodes)
+        + section_bytes::<Share>(counts.shares)
         // An odd number of triangles ends on a half-word: it is filled up.
-        (even(counts.triangles) as u64, size_of::<[u16; 3]>() as u64),
-    ];
-    let mut bytes = size_of::<Header>() as u64;
-    let mut rest: &[(u64, u64)] = &sections;
-    while let [(count, size), others @ ..] = rest {
-        let Some(sum) = bytes.checked_add(count.saturating_mul(*size)) else {
-            return None;
-        };
-        bytes = sum;
-        rest = others;
-    }
+        + section_bytes::<[u16; 3]>(even(counts.triangles));
     if bytes <= u32::MAX as u64 {
         Some(bytes as u32)
     } else {
         None
     }
+}
+
+/// Bytes of so many records: no product of two 32-bit numbers leaves 64 bits.
+const fn section_bytes<T>(count: u32) -> u64 {
+    count as u64 * size_of::<T>() as u64
 }

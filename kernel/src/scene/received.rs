@@ -27,11 +27,23 @@ impl<'t> Scene<'t> {
         radiosity: L,
         sight: &mut V,
     ) -> Bracket<L::Colour> {
-        self.received_past::<A, L, V>(receiver, index, radiosity, sight, false)
+        let point = if V::POINTS {
+            self.point_source(index)
+        } else {
+            None
+        };
+        match point {
+            Some(point) => {
+                let parallel = point.is_parallel(receiver.normal());
+                let factor = point.factor(receiver, parallel);
+                Bracket::exactly(radiosity.received(factor, || [0.0; 2]))
+            }
+            None => self.received_past::<A, L, V>(receiver, index, radiosity, sight, false),
+        }
     }
 
-    /// As [`received`](Self::received); past all occluders where `unshadowed`. One
-    /// function for both: two would be twice the code.
+    /// As [`received`](Self::received) from what is no point; past all occluders where
+    /// `unshadowed`. One function for both: two would be twice the code.
     #[inline]
     pub(crate) fn received_past<A: Arithmetic<f32>, L: Luminance, V: Visibility>(
         &self,
@@ -46,11 +58,6 @@ impl<'t> Scene<'t> {
             return dark;
         };
         let shape = self.shapes.get(index);
-        if let Some(point) = self.point_source(index) {
-            let parallel = point.is_parallel(receiver.normal());
-            let factor = point.factor(receiver, parallel);
-            return Bracket::exactly(radiosity.received(factor, || [0.0; 2]));
-        }
         let occluded =
             V::CAPACITIES.occluders && !unshadowed && shape.is_some_and(|shape| shape.blockers > 0);
         if L::COEFFICIENTS == 1 && !occluded {

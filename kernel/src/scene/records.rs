@@ -290,14 +290,16 @@ pub struct Loop {
 /// instructions a word.
 pub fn checksum(bytes: &[u8]) -> u32 {
     let (words, tail) = bytes.as_chunks::<4>();
-    let mut last = [0; 4];
-    for (to, from) in last.iter_mut().zip(tail) {
-        *to = *from;
+    let mix = |hash: u32, word: u32| (hash ^ word).wrapping_mul(0x0100_0193);
+    let hash = words.iter().fold(0x811c_9dc5, |hash, word| {
+        mix(hash, u32::from_le_bytes(*word))
+    });
+    if tail.is_empty() {
+        return hash;
     }
-    words
-        .iter()
-        .chain((!tail.is_empty()).then_some(&last))
-        .fold(0x811c_9dc5, |hash, word| {
-            (hash ^ u32::from_le_bytes(*word)).wrapping_mul(0x0100_0193)
-        })
+    let from_last = tail.iter().rev();
+    mix(
+        hash,
+        from_last.fold(0, |word, &byte| word << 8 | u32::from(byte)),
+    )
 }

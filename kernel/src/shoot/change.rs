@@ -18,7 +18,7 @@ use crate::Error;
 use crate::error::What;
 use crate::form_factor::Arithmetic;
 use crate::luminance::{Colour, Luminance};
-use crate::scene::BRIGHTEST;
+use crate::scene::{BRIGHTEST, Scene};
 use crate::transfer::Transfer;
 use core::f32::consts::{FRAC_1_PI, PI};
 
@@ -169,7 +169,8 @@ where
 
     /// Sets radiances and reflectances to what they were baked as.
     pub(super) fn restore(&mut self) {
-        let scene = self.scene();
+        // In place: what is not borrowed as a whole may change meanwhile.
+        let scene = self.scene.as_ref().unwrap_or(&Scene::EMPTY);
         let luminaires = scene.counts().luminaires as usize;
         for (index, emitter) in self.emitters.iter_mut().take(luminaires).enumerate() {
             emitter.due = L::uniform(scene.exitance(index));

@@ -155,7 +155,8 @@ where
             return L::DARK;
         }
         let mut sum = L::DARK;
-        for (sample, weights) in self.tables().members_of(emitter) {
+        let stride = if L::WEIGHTED { L::COEFFICIENTS } else { 0 };
+        for (sample, weights) in self.tables().members_with(emitter, stride as u32) {
             let irradiance = self.irradiance.get(sample).copied();
             sum = sum.gather(irradiance.unwrap_or(L::Colour::DARK), weights);
         }

@@ -22,7 +22,8 @@ pub(super) fn unit_roundoff<N: Floating>() -> N {
 impl<N: Floating> Line<N> {
     /// Where the half-space h·v ≥ 0, v relative to the receiver, meets the
     /// plane.
-    #[inline(always)]
+    #[cfg_attr(feature = "small", inline(never))]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn of_half_space(h: Vector<N>, seen: &SeenPlane<N>) -> Self {
         Self {
             constant: h.dot(seen.origin),
@@ -56,7 +57,8 @@ impl<N: Floating> Line<N> {
 /// The same edge in the other direction gives the negative, bit for bit:
 /// adjacent faces share one plane, and nothing leaks between them. a×b would be
 /// antisymmetric too, but loses small emitters (7e-3 of F against 4e-5).
-#[inline(always)]
+#[cfg_attr(feature = "small", inline(never))]
+#[cfg_attr(not(feature = "small"), inline(always))]
 pub(super) fn plane_through<N: Floating>(
     a: Vector<N>,
     b: Vector<N>,

@@ -99,6 +99,10 @@ pub trait Visibility<N: Floating = f32> {
 
     /// What the type holds; a scene that needs more is refused on load.
     const CAPACITIES: Capacities;
+
+    /// Whether emitters may be points, which nothing hides; where they may not, nothing
+    /// for them is linked, and a scene whose emitters have shapes is refused.
+    const POINTS: bool = true;
 }
 
 /// What a workspace holds, for one receiver and one emitter.
@@ -229,4 +233,39 @@ impl<N: Floating> Visibility<N> for Unoccluded {
         lines: 0,
         blockers: 0,
     };
+}
+
+/// The rung `none` where no emitter is a point, since none has a shape: nothing is linked
+/// for these either.
+#[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Polygons;
+
+impl<N: Floating> Visibility<N> for Polygons {
+    #[inline(always)]
+    fn form_factor<R: Root<N> + Copy>(
+        &mut self,
+        receiver: &Receiver<N>,
+        target: &Target<'_>,
+        occluders: &Occluders<'_>,
+        blockers: impl Iterator<Item = Blocker>,
+        unoccluded: impl FnOnce() -> N,
+    ) -> Bracket<N> {
+        Unoccluded.form_factor::<R>(receiver, target, occluders, blockers, unoccluded)
+    }
+
+    #[inline(always)]
+    fn look(
+        &mut self,
+        receiver: &Receiver<N>,
+        target: &Target<'_>,
+        occluders: &Occluders<'_>,
+        blockers: impl Iterator<Item = Blocker>,
+        parts: &mut impl Sum<N>,
+    ) -> Looked<N> {
+        Unoccluded.look(receiver, target, occluders, blockers, parts)
+    }
+
+    const CAPACITIES: Capacities = <Unoccluded as Visibility<N>>::CAPACITIES;
+    const POINTS: bool = false;
 }

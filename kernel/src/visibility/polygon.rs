@@ -64,7 +64,8 @@ impl<N: Floating, const VERTICES: usize> Polygon<N, VERTICES> {
     }
 
     /// Becomes a copy.
-    #[inline]
+    #[cfg_attr(feature = "small", inline(never))]
+    #[cfg_attr(not(feature = "small"), inline)]
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.corners.clone_from(&other.corners);
         self.horizon = other.horizon;
@@ -131,7 +132,8 @@ impl<N: Floating, const VERTICES: usize> Polygon<N, VERTICES> {
         self.side_within(line, line.tolerance())
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "small", inline(never))]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn side_within(&self, line: &Line<N>, tolerance: N) -> Side {
         let (mut any_inside, mut any_outside) = (false, false);
         for &corner in &self.corners {
@@ -285,7 +287,8 @@ impl Sides {
 }
 
 /// Where an edge crosses a line, computed from the end nearer to it.
-#[inline(always)]
+#[cfg_attr(feature = "small", inline(never))]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn crossing<N: Floating>([from, to]: [[N; 2]; 2], [from_height, to_height]: [N; 2]) -> [N; 2] {
     let drop = from_height - to_height;
     let between = |[a, b]: [N; 2], [c, d]: [N; 2], t: N| [a + (c - a) * t, b + (d - b) * t];

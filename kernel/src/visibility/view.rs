@@ -85,7 +85,8 @@ impl<N: Floating> View<N> {
     /// where the distance from the axis times cos α exceeds r plus the distance
     /// along it times sin α, sin α = R/|a|; all of it times |a|², squared.
     /// Lengths below 1e6 m: the products are of degree 6.
-    #[inline]
+    #[cfg_attr(feature = "small", inline(never))]
+    #[cfg_attr(not(feature = "small"), inline)]
     fn misses(&self, occluder: &Occluder) -> bool {
         let centre: Vector<N> = vector::<N>(occluder.centre) - self.place;
         let radius: N = number(occluder.radius);
@@ -232,7 +233,8 @@ impl<N: Floating> View<N> {
 
     /// The line of the plane through the receiver and an edge that runs
     /// counter-clockwise or clockwise round what hides, seen from the receiver.
-    #[inline(always)]
+    #[cfg_attr(feature = "small", inline(never))]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn line_of_edge(&self, (a, b): ([f32; 3], [f32; 3]), counter_clockwise: bool) -> Line<N> {
         let (a, b): (Vector<N>, Vector<N>) = (vector(a), vector(b));
         let h = plane_through(a - self.place, b - self.place, b - a);

@@ -80,6 +80,7 @@ impl<F: Format, C: Coordinate> Corner<F> for Tracked<'_, F, C> {
         self.vertex.farness()
     }
 
+    #[cfg_attr(feature = "small", inline(never))]
     fn toward(&self, other: &Self, t: F) -> Self {
         match self.wide_crossing(other) {
             Some(crossing) => crossing,

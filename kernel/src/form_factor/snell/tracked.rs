@@ -25,7 +25,8 @@ pub(super) struct Tracked<'a, N, R> {
 }
 
 impl<'a, N: Floating, R: Root<N> + Copy> Tracked<'a, N, R> {
-    #[inline(always)]
+    #[cfg_attr(feature = "small", inline(never))]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn new(source: &'a [N; 3], view: &'a View<'a, N>) -> Self {
         Self {
             vertex: Vertex::new(source, view.receiver),
@@ -48,7 +49,8 @@ impl<'a, N: Floating, R: Root<N> + Copy> Tracked<'a, N, R> {
     /// a×b, and whether the edge between them is seen under nearly 180°: then
     /// the receiver is close to it, and a×b is a small difference of large
     /// products.
-    #[inline(always)]
+    #[cfg_attr(feature = "small", inline(never))]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn cross(&self, other: &Self) -> (Vector<N>, bool) {
         let (a, b) = (&self.vertex, &other.vertex);
         let c = a.position.cross(b.position);
@@ -61,10 +63,14 @@ impl<'a, N: Floating, R: Root<N> + Copy> Tracked<'a, N, R> {
     /// from V − P put back to first order.
     #[inline(never)]
     pub(super) fn accurate_cross(&self, other: &Self) -> Vector<N> {
-        let place = self.view.receiver.position();
-        let rest = |tracked: &Self| Vector::from(*tracked.source).rest_of_difference(place);
         let (a, b) = (self.vertex.position, other.vertex.position);
-        a.accurate_cross(b) + (rest(self).cross(b) + a.cross(rest(other)))
+        a.accurate_cross(b) + (self.rest().cross(b) + a.cross(other.rest()))
+    }
+
+    /// What rounding took from the vertex when it was brought to the receiver.
+    #[inline(never)]
+    fn rest(&self) -> Vector<N> {
+        Vector::from(*self.source).rest_of_difference(self.view.receiver.position())
     }
 
     /// Where an edge seen under nearly 180° crosses the horizon: along
@@ -100,7 +106,8 @@ impl<N: Floating, R: Root<N> + Copy> Corner<N> for Tracked<'_, N, R> {
         self.vertex.norm
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "small", inline(never))]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn toward(&self, other: &Self, t: N) -> Self {
         let (_, wide) = self.cross(other);
         if wide && let Some(crossing) = self.wide_crossing(other) {
