@@ -11,7 +11,7 @@ use crate::scene::records::Counts;
 const EXPONENT: i32 = 256;
 
 /// Every record: its numbers in their domain, its ranges inside.
-#[inline(always)]
+#[cfg_attr(feature = "small", inline(always))]
 pub(super) fn records(scene: &Scene<'_>) -> Result<(), Error> {
     let (header, counts) = (scene.header(), scene.counts());
     let exponents = [header.length, header.irradiance];
@@ -64,7 +64,7 @@ pub(super) fn records(scene: &Scene<'_>) -> Result<(), Error> {
 }
 
 /// The weights of linear radiosities, and what the host wrote down of their transfer.
-#[inline(always)]
+#[cfg_attr(feature = "small", inline(always))]
 fn written(scene: &Scene<'_>) -> Result<(), Error> {
     let counts = scene.counts();
     for (index, emitter) in (0..).zip(scene.emitters()) {

@@ -116,7 +116,8 @@ impl Floating for f64 {
 /// the device has no fused operation that is not emulated. Never panics.
 ///
 /// By itself: what needs it is rare, and takes it three times.
-#[inline(never)]
+#[cfg_attr(feature = "small", inline(never))]
+#[cfg_attr(not(feature = "small"), inline)]
 pub fn difference_of_products<N: Floating>(a: N, b: N, c: N, d: N) -> N {
     let ((ab, ab_rest), (cd, cd_rest)) = (exact_product(a, b), exact_product(c, d));
     (ab - cd) + (ab_rest - cd_rest)

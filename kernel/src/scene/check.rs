@@ -61,7 +61,7 @@ pub(crate) fn header<'t, H: FromBytes + Immutable + KnownLayout>(
 }
 
 /// Every record: its numbers finite and in their domain, its ranges inside.
-#[inline(always)]
+#[cfg_attr(feature = "small", inline(always))]
 pub(super) fn records(scene: &Scene<'_>, named: u32) -> Result<(), Error> {
     let (tolerance, ahead) = (scene.header.tolerance, scene.header.ahead);
     numbers(
@@ -124,7 +124,7 @@ pub(super) fn records(scene: &Scene<'_>, named: u32) -> Result<(), Error> {
 }
 
 /// One code, term or fraction for each pair, and no occluders beside them.
-#[inline(always)]
+#[cfg_attr(feature = "small", inline(always))]
 fn codes(scene: &Scene<'_>) -> Result<(), Error> {
     let counts = &scene.header.counts;
     let pairs = |of_luminaires, emitters: u32| {
@@ -161,7 +161,7 @@ fn codes(scene: &Scene<'_>) -> Result<(), Error> {
 }
 
 /// One response for each luminaire, channel and sample, and nothing that reflects.
-#[inline(always)]
+#[cfg_attr(feature = "small", inline(always))]
 fn responses(scene: &Scene<'_>) -> Result<(), Error> {
     let counts = &scene.header.counts;
     let rows = u64::from(counts.luminaires).saturating_mul(counts.channels.into());
@@ -176,7 +176,7 @@ fn responses(scene: &Scene<'_>) -> Result<(), Error> {
 }
 
 /// Named points have one sample each, which receives all light.
-#[inline(always)]
+#[cfg_attr(feature = "small", inline(always))]
 fn points(scene: &Scene<'_>) -> Result<(), Error> {
     for (index, point) in (0..).zip(scene.points()) {
         let sound =
@@ -206,7 +206,7 @@ fn counts_agree(counts: &Counts) -> bool {
         }
 }
 
-#[inline(always)]
+#[cfg_attr(feature = "small", inline(always))]
 fn surfaces(scene: &Scene<'_>) -> Result<(), Error> {
     all(What::Surfaces, scene.surfaces, surface_is_sound)?;
     let mut sample = 0_u32;
@@ -231,7 +231,7 @@ fn surfaces(scene: &Scene<'_>) -> Result<(), Error> {
     ranges(What::Samples, sample, sample == scene.header.counts.samples)
 }
 
-#[inline(always)]
+#[cfg_attr(feature = "small", inline(always))]
 fn emitters(scene: &Scene<'_>) -> Result<(), Error> {
     let counts = &scene.header.counts;
     all(What::Emitters, scene.emitters, |emitter| {
@@ -250,7 +250,7 @@ fn emitters(scene: &Scene<'_>) -> Result<(), Error> {
 }
 
 /// Occluders and the lists of them.
-#[inline(always)]
+#[cfg_attr(feature = "small", inline(always))]
 fn occluders(scene: &Scene<'_>) -> Result<(), Error> {
     let counts = &scene.header.counts;
     let Occluders {

@@ -191,7 +191,7 @@ const STEEPEST: f32 = 64.0;
 const LARGEST: f32 = 1e16;
 
 /// Every record: its numbers finite and in their domain, its ranges inside.
-#[inline(always)]
+#[cfg_attr(feature = "small", inline(always))]
 pub(super) fn check(scene: &Scene<'_>) -> Result<(), Error> {
     let counts = &scene.header.counts;
     let fields = scene.fields;

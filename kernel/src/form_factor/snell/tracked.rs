@@ -68,7 +68,8 @@ impl<'a, N: Floating, R: Root<N> + Copy> Tracked<'a, N, R> {
     }
 
     /// What rounding took from the vertex when it was brought to the receiver.
-    #[inline(never)]
+    #[cfg_attr(feature = "small", inline(never))]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn rest(&self) -> Vector<N> {
         Vector::from(*self.source).rest_of_difference(self.view.receiver.position())
     }
