@@ -278,7 +278,7 @@ where
         };
         self.settle(index);
         if L::AHEAD {
-            self.expect(index, *ahead);
+            self.anticipate(index, *ahead);
             *ahead = left.ahead;
         }
         self.send(index)

@@ -79,7 +79,7 @@ where
 
     /// What an emitter is to have shot grows by what it reflects of the irradiance
     /// `ahead`, which is still to come.
-    pub(super) fn expect(&mut self, index: usize, ahead: L::Colour) {
+    pub(super) fn anticipate(&mut self, index: usize, ahead: L::Colour) {
         let Some(emitter) = self.tables().emitters().get(index) else {
             return;
         };
