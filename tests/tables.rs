@@ -17,6 +17,8 @@ mod integers;
 mod lit;
 #[path = "tables/mutation.rs"]
 mod mutation;
+#[path = "tables/parts.rs"]
+mod parts;
 #[path = "tables/refusals.rs"]
 mod refusals;
 

@@ -27,9 +27,9 @@ use rayon::prelude::*;
 use std::path::Path;
 
 /// A kind of table, and what is done with one that loads.
-struct Kind {
-    name: &'static str,
-    sound: Vec<u8>,
+pub(crate) struct Kind {
+    pub(crate) name: &'static str,
+    pub(crate) sound: Vec<u8>,
     uses: fn(Scene<'_>, u64) -> bool,
 }
 
@@ -94,7 +94,7 @@ fn matrix(
     bake::bake_matrix(scene, plan, occlusion, 6)
 }
 
-fn kinds() -> Vec<Kind> {
+pub(crate) fn kinds() -> Vec<Kind> {
     let kind = |name, tables: Tables, uses| Kind {
         name,
         sound: tables.bytes().to_vec(),

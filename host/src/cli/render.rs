@@ -275,16 +275,23 @@ fn by_tag(
     full_scale: &[f64],
 ) -> Result<ByTag, Failure> {
     let regions = Regions::of(&planned.scene).map_err(|error| Failure::limit(error, ""))?;
+    let cells = surfaces.iter().flat_map(|compared| &compared.inside);
+    let pixels = camera.map_or(0, |(_, seen)| seen.hits.iter().flatten().count());
+    let places = cells.filter(|&&inside| inside).count() + pixels;
+    let progress = Progress::start("telling shadows from light", places as u64);
+    let done = |places: usize| progress.advance(places as u64);
     let of_surface = |compared: &Compared| {
         let index = compared.surface;
         let samples = regions.of_samples(index, &planned.plan.surfaces[index]);
-        let tagged = regions.of_surface(compared).into_iter();
+        let tagged = regions.of_surface(compared, &done).into_iter();
         let count = |tag| samples.iter().filter(|&&its| its == tag).count();
         tagged.map(|tagged| (tagged, count(tagged.tag))).collect()
     };
     Ok(ByTag {
         surfaces: surfaces.iter().map(of_surface).collect(),
-        camera: camera.map_or(Vec::new(), |(_, seen)| regions.of_camera(seen, full_scale)),
+        camera: camera.map_or(Vec::new(), |(_, seen)| {
+            regions.of_camera(seen, full_scale, &done)
+        }),
     })
 }
 

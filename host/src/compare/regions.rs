@@ -6,6 +6,7 @@ use crate::plan::{SurfacePlan, Tag};
 use crate::reference::Lookout;
 use crate::scene::Scene;
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 /// Which tag the places of a scene would have, were they samples.
 pub struct Regions {
@@ -25,6 +26,18 @@ pub struct Tagged {
     /// What they err by.
     pub errors: Errors,
 }
+
+/// A place with what was found there and what is true.
+struct Judged {
+    surface: usize,
+    position: DVec3,
+    value: f64,
+    truth: f64,
+    full_scale: f64,
+}
+
+/// Is told how many more places have been looked at, from any thread.
+type Done<'a> = &'a (dyn Fn(usize) + Sync);
 
 /// The tags that places have, in the order of tables.
 const TAGS: [Tag; 5] = [
@@ -82,30 +95,39 @@ impl Regions {
         }
     }
 
-    /// What the places of each tag err by, of a surface's grid.
-    pub fn of_surface(&self, compared: &Compared) -> Vec<Tagged> {
+    /// What the places of each tag err by, of a surface's grid; `done` is told how many
+    /// more cells have been looked at.
+    pub fn of_surface(&self, compared: &Compared, done: Done<'_>) -> Vec<Tagged> {
         let frame = &self.floors[compared.surface].frame;
         let side = compared.resolution;
         let cells = (0..side * side).filter(|&k| compared.inside[k]);
-        by_tag(cells.map(|k| {
+        let places = cells.map(|k| {
             let (u, v) = frame.cell_center(k % side, k / side, side, side);
-            let tag = self.tag(compared.surface, frame.to_world(u, v));
-            let (value, truth) = (compared.structured[k], compared.reference[k]);
-            (tag, (value, truth, compared.full_scale))
-        }))
+            Judged {
+                surface: compared.surface,
+                position: frame.to_world(u, v),
+                value: compared.structured[k],
+                truth: compared.reference[k],
+                full_scale: compared.full_scale,
+            }
+        });
+        self.by_tag(places.collect(), done)
     }
 
     /// The same of a camera's pixels that see the front of a surface that reflects;
     /// `full_scale` is each surface's largest reference value.
-    pub fn of_camera(&self, seen: &Seen, full_scale: &[f64]) -> Vec<Tagged> {
+    pub fn of_camera(&self, seen: &Seen, full_scale: &[f64], done: Done<'_>) -> Vec<Tagged> {
         let pixels = seen.hits.iter().enumerate();
         let fronts = pixels.filter_map(|(k, hit)| Some((k, hit.filter(|hit| hit.front)?)));
         let counted = fronts.filter(|(_, hit)| self.reflecting[hit.surface]);
-        by_tag(counted.map(|(k, hit)| {
-            let tag = self.tag(hit.surface, hit.position);
-            let [value, truth] = [seen.structured[k], seen.reference[k]].map(mean);
-            (tag, (value, truth, full_scale[hit.surface]))
-        }))
+        let places = counted.map(|(k, hit)| Judged {
+            surface: hit.surface,
+            position: hit.position,
+            value: mean(seen.structured[k]),
+            truth: mean(seen.reference[k]),
+            full_scale: full_scale[hit.surface],
+        });
+        self.by_tag(places.collect(), done)
     }
 
     /// The tags of the places where a surface's samples are.
@@ -116,19 +138,29 @@ impl Regions {
             .map(|sample| self.tag(surface, place(sample.place)))
             .collect()
     }
-}
 
-/// Errors of (approximate, reference, full scale) by tag; tags without a place are left out.
-fn by_tag(places: impl Iterator<Item = (Tag, (f64, f64, f64))>) -> Vec<Tagged> {
-    let places: Vec<_> = places.collect();
-    let of_tag = |tag| {
-        let its = || places.iter().filter(move |place| place.0 == tag);
-        let count = its().count();
-        (count > 0).then(|| Tagged {
-            tag,
-            share: 100.0 * count as f64 / places.len() as f64,
-            errors: errors_by_scale(its().map(|place| place.1)),
-        })
-    };
-    TAGS.into_iter().filter_map(of_tag).collect()
+    /// What the places of each tag err by; tags without a place are left out.
+    fn by_tag(&self, places: Vec<Judged>, done: Done<'_>) -> Vec<Tagged> {
+        let tag = |place: &Judged| {
+            done(1);
+            self.tag(place.surface, place.position)
+        };
+        let tags: Vec<Tag> = places.par_iter().map(tag).collect();
+        let of_tag = |tag| {
+            let its = || {
+                places
+                    .iter()
+                    .zip(&tags)
+                    .filter(move |place| *place.1 == tag)
+            };
+            let count = its().count();
+            let errors = its().map(|(at, _)| (at.value, at.truth, at.full_scale));
+            (count > 0).then(|| Tagged {
+                tag,
+                share: 100.0 * count as f64 / places.len() as f64,
+                errors: errors_by_scale(errors),
+            })
+        };
+        TAGS.into_iter().filter_map(of_tag).collect()
+    }
 }

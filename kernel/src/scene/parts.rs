@@ -44,6 +44,17 @@ const fn part(part: u32, records: u32) -> u32 {
     if records == 0 { 0 } else { part }
 }
 
+/// What of [`WRITTEN`] there is, and how many.
+const fn written(counts: &Counts) -> (What, u32) {
+    match counts {
+        Counts { codes: 1.., .. } => (What::Codes, counts.codes),
+        Counts { terms: 1.., .. } => (What::Terms, counts.terms),
+        Counts { fractions: 1.., .. } => (What::Fractions, counts.fractions),
+        Counts { responses: 1.., .. } => (What::Responses, counts.responses),
+        _ => (What::Bits, counts.bits),
+    }
+}
+
 /// Refuses tables with other parts than these.
 pub(super) fn within(parts: u32, counts: &Counts) -> Result<(), Error> {
     let others = of(counts) & !parts;
@@ -53,7 +64,7 @@ pub(super) fn within(parts: u32, counts: &Counts) -> Result<(), Error> {
     let (what, needed) = if others & OCCLUDERS != 0 {
         (What::Occluders, counts.occluders)
     } else if others & WRITTEN != 0 {
-        (What::Codes, counts.codes)
+        written(counts)
     } else if others & FIELDS != 0 {
         (What::Fields, counts.fields)
     } else {

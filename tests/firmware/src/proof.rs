@@ -38,11 +38,13 @@ mod entries {
     use isolux::number::{self, Root, SoftRoot};
     use isolux::resample::{self, Filtered, Reconstructed, Row, Stencils, Tensors};
     use isolux::scene::records::{self, Counts, Emitter, Surface};
-    use isolux::scene::{Scene, required_bytes};
+    use isolux::scene::{Scene, parts, required_bytes};
     use isolux::shoot::{self, Solved, Stop};
     use isolux::transfer::{Codes, Matrix, Vectors};
     use isolux::visibility::records::{Blocker, Occluders, Target};
-    use isolux::visibility::{Bracket, Exact, Gathered, Unoccluded, VertexRays, Visibility};
+    use isolux::visibility::{
+        Bracket, Exact, Gathered, Polygons, Unoccluded, VertexRays, Visibility,
+    };
     use isolux::{Error, budget};
 
     use crate::root::Chosen;
@@ -66,6 +68,8 @@ mod entries {
     type ShortMatrix<'t> = integers::Light<'t, Q24, 64, 16, integers::Matrix<8>>;
     type BestLight<'t> = Light<'t, Best<Chosen>>;
     type LibmLight<'t> = Light<'t, Libm<Chosen>>;
+    /// What `open` firmware has: no emitter is a point, nothing hides any.
+    type PolygonsLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Constant<f32>, Polygons>;
     type CodedLight<'t> = shoot::Light<'t, Best<Chosen>, 64, 16, Linear<f32>, Codes>;
 
     /// Reflectances that may change, in colour.
@@ -188,6 +192,9 @@ mod entries {
         fn isolux_entry_load(tables: &'static [u8]) -> Result<Scene<'static>, Error> {
             Scene::load(tables)
         }
+        fn isolux_entry_load_without_parts(tables: &'static [u8]) -> Result<Scene<'static>, Error> {
+            Scene::load_with::<{ parts::NONE }>(tables)
+        }
         fn isolux_entry_checksum(bytes: &[u8]) -> u32 {
             records::checksum(bytes)
         }
@@ -252,6 +259,9 @@ mod entries {
         }
         fn isolux_entry_light_update_in_colour(light: &mut ColouredLight<'static>, stop: Stop) -> Solved {
             light.update(stop)
+        }
+        fn isolux_entry_light_solve_polygons(light: &mut PolygonsLight<'static>, stop: Stop) -> Solved {
+            light.solve(stop)
         }
         fn isolux_entry_light_new_coded(scene: Scene<'static>) -> Result<CodedLight<'static>, Error> {
             CodedLight::new(scene)
