@@ -19,6 +19,8 @@ mod lit;
 mod mutation;
 #[path = "tables/parts.rs"]
 mod parts;
+#[path = "tables/points.rs"]
+mod points;
 #[path = "tables/refusals.rs"]
 mod refusals;
 

@@ -72,7 +72,7 @@ fn shaded(colour: bool, baking: Baking) -> Tables {
 }
 
 /// The paper's scene: tensor grids with points, or nested outlines.
-fn open(layers: bool) -> Tables {
+pub(crate) fn open(layers: bool) -> Tables {
     let scene = scene("paper.toml", 58, false);
     let once = Reference::new(&scene, Reflections::AtMost(1), &mut |_| {}).expect("a reference");
     let field = |places: &[_]| once.irradiance_at(places);
