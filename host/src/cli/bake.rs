@@ -63,7 +63,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
     held(&planned, memory)?;
     let operations = sheet::operations(&planned, pipeline::stop(None))?;
     let current = arguments.current.microamperes;
-    let sheet = Sheet::of(&planned)?.with_cost(operations.as_ref(), current);
+    let sheet = Sheet::of(&planned)?.with_cost(&operations, current);
     let files = write(&planned, &sheet, directory, &module(&arguments.scene.scene))?;
     let mut out = std::io::stdout().lock();
     if json {

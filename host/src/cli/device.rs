@@ -115,13 +115,13 @@ struct Answer<'a> {
 #[derive(Serialize)]
 struct Sheeted {
     sheet: Sheet,
-    operations: Option<Operations>,
+    operations: Operations,
 }
 
 fn sheet_of(planned: &Planned, arguments: &Arguments) -> Result<Sheeted, Failure> {
     let operations = sheet::operations(planned, pipeline::stop(arguments.bounces.bounces))?;
     let current = arguments.current.microamperes;
-    let sheet = Sheet::of(planned)?.with_cost(operations.as_ref(), current);
+    let sheet = Sheet::of(planned)?.with_cost(&operations, current);
     Ok(Sheeted { sheet, operations })
 }
 

@@ -5,7 +5,7 @@ mod search;
 use super::choice::RungArguments;
 use super::failure::Failure;
 use super::pipeline;
-use super::sheet::Sheet;
+use super::sheet::{self, Sheet};
 use super::{MemoryArgument, RepaintArgument, SceneArgument};
 use crate::plan::file;
 use crate::report::write_file;
@@ -113,9 +113,13 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), Failure> {
         transfer: Some(planned.transfer.name().to_owned()),
         ..Rungs::default()
     };
+    let operations = match found.operations {
+        Some(operations) => operations,
+        None => sheet::operations(planned, pipeline::stop(None))?,
+    };
+    let sheet = Sheet::of(planned)?.with_cost(&operations, None);
     let text = file::text(&planned.scene, &rungs, &planned.plan);
     write_file(&arguments.output, text.as_bytes()).map_err(|error| Failure::usage(error, ""))?;
-    let sheet = Sheet::of(planned)?.with_cost(found.operations.as_ref(), None);
     let file = arguments.output.display().to_string();
     let mut out = std::io::stdout().lock();
     if json {

@@ -7,7 +7,7 @@ use crate::device::model::{self, Model, Predicted, PredictedSteps};
 use crate::device::operations::{Done, Operations};
 use crate::plan::{SurfacePlan, Tag};
 use crate::report::{percent, quantity};
-use crate::solve::{FormFactorRung, Rung, Sight};
+use crate::solve::FormFactorRung;
 use isolux::budget;
 use isolux::shoot::Stop;
 use serde::Serialize;
@@ -160,14 +160,7 @@ impl Sheet {
 
     /// The sheet with what a run will cost, where the costs of its rung are known; of the
     /// charge where a current in µA for a megahertz is given.
-    pub(super) fn with_cost(
-        mut self,
-        operations: Option<&Operations>,
-        microamperes: Option<f64>,
-    ) -> Self {
-        let Some(operations) = operations else {
-            return self;
-        };
+    pub(super) fn with_cost(mut self, operations: &Operations, microamperes: Option<f64>) -> Self {
         let model = Model::committed();
         if !model.knows(operations) {
             return self;
@@ -383,27 +376,18 @@ impl Cost {
     }
 }
 
-/// What the runs of a planned scene do on the device, where costs are known for it: on the
-/// rung `best`, and in integers.
+/// What the runs of a planned scene do on the device.
 ///
 /// # Errors
 /// Where the kernel does not take its tables.
-pub(super) fn operations(planned: &Planned, stop: Stop) -> Result<Option<Operations>, Failure> {
-    let (best, rays) = (FormFactorRung::from(Rung::Best), Sight::VertexRays);
-    let counts = &planned.tables.counts;
-    let refused = |error| Failure::limit(error, "lower [budget] samples or split the scene");
-    if planned.rung.is_integer() {
-        let is_short = planned.rung == FormFactorRung::Q24;
-        return Operations::in_integers(&planned.tables, is_short, stop, GRID)
-            .map(Some)
-            .map_err(refused);
-    }
-    if planned.rung != best || planned.sight == rays || counts.terms + counts.responses > 0 {
-        return Ok(None);
-    }
-    Operations::of(&planned.tables, planned.sight, stop, GRID)
-        .map(Some)
-        .map_err(refused)
+pub(super) fn operations(planned: &Planned, stop: Stop) -> Result<Operations, Failure> {
+    let tables = &planned.tables;
+    let counted = match planned.rung {
+        FormFactorRung::Float(rung) => Operations::of(tables, (rung, planned.sight), stop, GRID),
+        FormFactorRung::Q24 => Operations::in_integers(tables, true, stop, GRID),
+        FormFactorRung::Q29 => Operations::in_integers(tables, false, stop, GRID),
+    };
+    counted.map_err(|error| Failure::limit(error, "lower [budget] samples or split the scene"))
 }
 
 fn parts(planned: &SurfacePlan) -> Vec<OfPart> {

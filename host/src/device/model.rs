@@ -17,13 +17,22 @@ use super::{Core, Steps};
 /// The committed costs.
 const COMMITTED: &str = include_str!("../../../benches/model.csv");
 
-/// Estimated cycles of an instruction on a Cortex-M4F with zero wait states: what the
-/// trace of `benches/trade/trade.csv` gives for form factors of `best`.
-pub const CYCLES: f64 = 1.57;
+/// Estimated cycles of an instruction on a Cortex-M4F with zero wait states, by the rung of
+/// arithmetic: what the trace of `benches/trade/trade.csv` gives for form factors.
+const CYCLES: [(&str, f64); 5] = [
+    ("-libm", 1.76),
+    ("-micromath", 1.50),
+    ("-poly3", 1.65),
+    ("-poly5", 1.63),
+    ("-poly8", 1.60),
+];
+
+/// The same for `best`.
+const CYCLES_OF_BEST: f64 = 1.55;
 
 /// The same for `q29`, by the same model: a Cortex-M3 takes up to four cycles more for a
 /// long product.
-pub const CYCLES_IN_INTEGERS: f64 = 1.47;
+const CYCLES_IN_INTEGERS: f64 = 1.47;
 
 /// The core that costs of a kind of light are of.
 pub fn core(kind: &str) -> Core {
@@ -35,9 +44,11 @@ pub fn core(kind: &str) -> Core {
 
 /// Estimated cycles of an instruction of a kind of light.
 pub fn cycles(kind: &str) -> f64 {
-    match is_integer(kind) {
-        true => CYCLES_IN_INTEGERS,
-        false => CYCLES,
+    let rung = CYCLES.iter().find(|(rung, _)| kind.contains(rung));
+    match (is_integer(kind), rung) {
+        (true, _) => CYCLES_IN_INTEGERS,
+        (false, Some(&(_, cycles))) => cycles,
+        (false, None) => CYCLES_OF_BEST,
     }
 }
 
@@ -174,6 +185,8 @@ pub fn group<'a>(step: &str, kind: &str, done: impl IntoIterator<Item = &'a str>
         "load" | "resample" if is_integer(kind) => format!("{step} integers"),
         "direct" | "shoot" => format!("light {kind}"),
         "load" if kind.contains("-codes") => "load codes".to_owned(),
+        "load" if kind.contains("-matrix") => "load matrix".to_owned(),
+        "load" if kind.contains("-vectors") => "load vectors".to_owned(),
         "load" if kind.contains("-exact") => "load exact".to_owned(),
         "load" => "load".to_owned(),
         step => {

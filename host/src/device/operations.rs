@@ -13,8 +13,8 @@ use isolux::shoot::Stop;
 use serde::Serialize;
 
 use crate::bake::Tables;
-use crate::solve::Sight;
 use crate::solve::tally::{Operation, Tally, tally, tally_in_integers};
+use crate::solve::{Rung, Sight};
 
 /// How often every operation of a step is done, by its name.
 pub type Done = BTreeMap<&'static str, u64>;
@@ -41,11 +41,16 @@ impl Operations {
     ///
     /// # Errors
     /// Where the kernel does not take the tables.
-    pub fn of(tables: &Tables, sight: Sight, stop: Stop, resolution: usize) -> Result<Self, Error> {
+    pub fn of(
+        tables: &Tables,
+        (rung, sight): (Rung, Sight),
+        stop: Stop,
+        resolution: usize,
+    ) -> Result<Self, Error> {
         let scene = Scene::load(tables.bytes())?;
-        let [direct, shoot] = split(tally(tables, sight, stop)?);
+        let [direct, shoot] = split(tally(tables, rung, sight, stop)?);
         Ok(Self {
-            kind: kind(scene.counts()),
+            kind: kind(scene.counts(), rung, sight),
             load: load::of(scene.counts(), tables.bytes().len()),
             direct,
             shoot,
@@ -101,20 +106,28 @@ fn split([direct, all]: [Tally; 2]) -> [Done; 2] {
     })
 }
 
-/// How radiosity varies over an emitter, how what a sample receives is had, and channels.
-fn kind(counts: &Counts) -> String {
+/// How radiosity varies over an emitter, how what a sample receives is had, the rung of
+/// arithmetic where it is not the best, and channels.
+fn kind(counts: &Counts, rung: Rung, sight: Sight) -> String {
     let form = match (counts.coefficients, counts.weights) {
         (1, 0) => "constant",
         (1, _) => "increment",
         _ => "linear",
     };
-    let transfer = match (counts.is_coded(), counts.occluders) {
-        (true, _) => "-codes",
-        (false, 0) => "",
-        _ => "-exact",
+    let transfer = match () {
+        () if counts.is_coded() => "-codes".to_owned(),
+        () if counts.terms > 0 => format!("-matrix{}", counts.bits),
+        () if counts.responses > 0 => "-vectors".to_owned(),
+        () if counts.occluders == 0 => String::new(),
+        () if sight == Sight::VertexRays => "-rays".to_owned(),
+        () => "-exact".to_owned(),
+    };
+    let rung = match rung {
+        Rung::Best => String::new(),
+        other => format!("-{}", other.name()),
     };
     let colour = if counts.channels == 1 { "" } else { "-rgb" };
-    format!("{form}{transfer}{colour}")
+    format!("{form}{transfer}{rung}{colour}")
 }
 
 fn add(done: &mut Done, operation: &'static str, times: u64) {

@@ -4,6 +4,7 @@
 //! pass on. Nothing is measured here; [`crate::device::model`] says what an operation
 //! costs on a core.
 
+mod contours;
 mod integers;
 mod number;
 mod operation;
@@ -13,22 +14,22 @@ pub(crate) use integers::tally as tally_in_integers;
 pub use operation::Operation;
 
 use super::looking::Looking;
-use super::{EMITTERS, HostRoot, SAMPLES, Sight};
+use super::rung::with_rung;
+use super::{EMITTERS, HostRoot, Rung, SAMPLES, Sight};
 use crate::bake::Tables;
+use contours::Counted;
 use isolux::Error;
-use isolux::form_factor::{Arithmetic, Best, Outline};
+use isolux::form_factor::{Arithmetic, Best, Libm, Micromath, Poly3, Poly5, Poly8};
 use isolux::geometry::{Receiver, Vector};
 use isolux::luminance::{Constant, Increment, Linear, Luminance, Rgb};
 use isolux::number::Root;
 use isolux::scene::{Method, Scene};
 use isolux::shoot::{Light, Stop};
-use isolux::transfer::{Codes, Pair, Transfer};
+use isolux::transfer::{Codes, Matrix, Pair, Transfer, Vectors};
 use isolux::visibility::records::{Blocker, Occluders, Target};
 use isolux::visibility::{Bracket, Capacities, Looked, Sum, Visibility};
-use number::{CountedRoot, Kind, Number32, done};
-use seen::{Workspace, arithmetic, is_near, rule};
+use seen::{Workspace, is_near, rule};
 use std::cell::Cell;
-use std::marker::PhantomData;
 
 /// How often every operation was done.
 pub type Tally = [u64; Operation::ALL.len()];
@@ -44,63 +45,6 @@ fn count(operation: Operation, times: usize) {
         tally[operation as usize] += times as u64;
         counted.set(tally);
     });
-}
-
-/// The rung `best`, counted.
-struct Counted<A>(PhantomData<A>);
-
-impl<A: Arithmetic<f32>> Arithmetic<f32> for Counted<A> {
-    type Root = A::Root;
-
-    fn contour(receiver: &Receiver<f32>, facing: Vector<f32>, outline: &Outline<'_, f32>) -> f32 {
-        contour(receiver, facing, outline);
-        A::contour(receiver, facing, outline)
-    }
-}
-
-/// Counts what a loop takes.
-fn contour(from: &Receiver<f32>, facing: Vector<f32>, outline: &Outline<'_, f32>) {
-    let relative = |&vertex: &[f32; 3]| Vector::from(vertex) - from.position();
-    let vertices = outline.vertices();
-    // As the rung decides: seen within 22.5° of the first vertex.
-    let small = vertices
-        .first()
-        .is_some_and(|first| outline.reach_squared() <= 0.1464 * relative(first).norm_squared());
-    let above = { vertices.iter() }
-        .filter(|vertex| from.normal().dot(relative(vertex)) >= 0.0)
-        .count();
-    let whole = above == vertices.len();
-    if small && whole {
-        count(Operation::SmallLoop, 1);
-        count(Operation::SmallCorner, vertices.len());
-        return;
-    }
-    let Some(receiver) = number::receiver(from) else {
-        return;
-    };
-    let counted: Vec<[Number32; 3]> = vertices.iter().map(|v| v.map(Number32)).collect();
-    let counted = Outline::new(&counted);
-    done();
-    Best::<CountedRoot>::contour(&receiver, number::vector(facing), &counted);
-    if small {
-        let quotients = done()[Kind::Quotient as usize] as usize;
-        count(Operation::SmallCut, 1);
-        count(Operation::SmallCutQuotient, quotients);
-    } else if whole {
-        let roots = done()[Kind::Root as usize] as usize;
-        count(Operation::Loop, 1);
-        count(Operation::Corner, vertices.len());
-        count(Operation::Obtuse, roots.saturating_sub(vertices.len()));
-    } else {
-        count(Operation::CutLoop, 1);
-        arithmetic([
-            (Kind::Sum, Operation::CutSum),
-            (Kind::Product, Operation::CutProduct),
-            (Kind::Quotient, Operation::CutQuotient),
-            (Kind::Comparison, Operation::CutComparison),
-            (Kind::Root, Operation::CutRoot),
-        ]);
-    }
 }
 
 /// Any rung of visibility, counted.
@@ -137,10 +81,13 @@ impl Visibility for Observed {
         parts: &mut impl Sum<f32>,
     ) -> Looked<f32> {
         let blockers: Vec<Blocker> = blockers.collect();
-        if matches!(self.looking, Looking::Exact(_)) {
-            let counting = &mut self.counting;
-            let is_linear = self.is_linear;
-            seen::look(counting, receiver, target, occluders, &blockers, is_linear);
+        let (counting, is_linear) = (&mut self.counting, self.is_linear);
+        match self.looking {
+            Looking::None => {}
+            Looking::Rays => seen::rays(receiver, target, occluders, &blockers),
+            Looking::Exact(_) => {
+                seen::look(counting, receiver, target, occluders, &blockers, is_linear);
+            }
         }
         let blockers = blockers.iter().copied();
         let looked = { &mut self.looking }.look(receiver, target, occluders, blockers, parts);
@@ -153,20 +100,85 @@ impl Visibility for Observed {
     }
 }
 
+/// How what a sample receives is had.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Way {
+    #[default]
+    Computed,
+    Coded,
+    Terms,
+    Responses,
+}
+
+impl Way {
+    fn of(scene: &Scene<'_>) -> Self {
+        let counts = scene.counts();
+        match () {
+            () if counts.is_coded() => Self::Coded,
+            () if counts.terms > 0 => Self::Terms,
+            () if counts.responses > 0 => Self::Responses,
+            () => Self::Computed,
+        }
+    }
+}
+
 /// Any rung of transfer, counted; one sample after the other.
 #[derive(Clone, Debug, Default)]
 struct Transferred {
     looking: Observed,
-    coded: bool,
+    way: Way,
     /// Who shot last.
-    last: Option<usize>,
+    last: Cell<Option<usize>>,
+    /// How often those that reflect began to shoot in turn.
+    rounds: Cell<usize>,
 }
 
 impl Transfer for Transferred {
     fn fits(scene: &Scene<'_>) -> Result<(), Error> {
-        match scene.counts().is_coded() {
-            false => <Looking as Transfer>::fits(scene),
-            true => Codes::fits(scene),
+        match (Way::of(scene), scene.counts().bits) {
+            (Way::Computed, _) => <Looking as Transfer>::fits(scene),
+            (Way::Coded, _) => Codes::fits(scene),
+            (Way::Terms, 4) => Matrix::<4>::fits(scene),
+            (Way::Terms, 6) => Matrix::<6>::fits(scene),
+            (Way::Terms, _) => Matrix::<8>::fits(scene),
+            (Way::Responses, _) => Vectors::fits(scene),
+        }
+    }
+
+    fn sweeps(scene: &Scene<'_>) -> bool {
+        Way::of(scene) == Way::Terms
+    }
+
+    fn is_in_the_end(scene: &Scene<'_>) -> bool {
+        Way::of(scene) == Way::Responses
+    }
+
+    fn add<L: Luminance>(
+        &self,
+        scene: &Scene<'_>,
+        emitter: usize,
+        first: u32,
+        radiosity: L,
+        values: &mut [L::Colour],
+    ) -> bool {
+        if self.way != Way::Terms {
+            return false;
+        }
+        self.shoots(scene, emitter);
+        let bits = scene.counts().bits;
+        // What there is a term for receives something of anything.
+        let mut received = vec![0.0; values.len()];
+        scene.add_terms(bits, emitter, first, Constant(1.0), &mut received);
+        count(Operation::Sent, 1);
+        count(Operation::Entry, values.len());
+        count(
+            Operation::Term,
+            received.iter().filter(|&&value| value > 0.0).count(),
+        );
+        match bits {
+            4 => Matrix::<4>.add(scene, emitter, first, radiosity, values),
+            6 => Matrix::<6>.add(scene, emitter, first, radiosity, values),
+            _ => Matrix::<8>.add(scene, emitter, first, radiosity, values),
         }
     }
 
@@ -178,37 +190,61 @@ impl Transfer for Transferred {
         radiosity: L,
     ) -> L::Colour {
         count(Operation::Pair, 1);
+        self.shoots(scene, pair.emitter);
         let reflects = !scene.is_luminaire(pair.emitter);
-        if self.last != Some(pair.emitter) {
-            self.last = Some(pair.emitter);
-            begins(scene, pair.emitter);
-        }
-        if !self.coded {
-            self.looking.is_linear = L::COEFFICIENTS > 1;
-            self.looking.reflects = reflects;
-            self.compute(scene, receiver, pair);
-            let looking = &mut self.looking;
-            return Transfer::received::<A, L>(looking, scene, receiver, pair, radiosity);
-        }
-        if reflects {
-            let method = scene.code(pair.emitter, pair.receiver).meaning().0;
-            if method != Method::Skip
-                && let Some(near) = facing(scene, receiver, pair.emitter)
-            {
-                match method {
-                    Method::Point => count(Operation::PointCode, 1),
-                    _ => {
-                        count(Operation::Code, 1);
-                        rules(scene, pair.emitter, near);
-                    }
-                }
+        match self.way {
+            Way::Computed => {
+                self.looking.is_linear = L::COEFFICIENTS > 1;
+                self.looking.reflects = reflects;
+                self.compute(scene, receiver, pair);
+                let looking = &mut self.looking;
+                Transfer::received::<A, L>(looking, scene, receiver, pair, radiosity)
             }
+            Way::Coded => {
+                if reflects {
+                    decode(scene, receiver, pair);
+                }
+                Codes.received::<A, L>(scene, receiver, pair, radiosity)
+            }
+            // What luminaires send, whatever the bits of others' terms.
+            Way::Terms => Matrix::<8>.received::<A, L>(scene, receiver, pair, radiosity),
+            Way::Responses => Vectors.received::<A, L>(scene, receiver, pair, radiosity),
         }
-        Codes.received::<A, L>(scene, receiver, pair, radiosity)
+    }
+}
+
+/// Counts what a code asks for.
+fn decode(scene: &Scene<'_>, receiver: &Receiver<f32>, pair: Pair) {
+    let method = scene.code(pair.emitter, pair.receiver).meaning().0;
+    if method == Method::Skip {
+        return;
+    }
+    let Some(near) = facing(scene, receiver, pair.emitter) else {
+        return;
+    };
+    match method {
+        Method::Point => count(Operation::PointCode, 1),
+        _ => {
+            count(Operation::Code, 1);
+            rules(scene, pair.emitter, near);
+        }
     }
 }
 
 impl Transferred {
+    /// Counts what an emitter that is about to shoot takes by itself.
+    fn shoots(&self, scene: &Scene<'_>, emitter: usize) {
+        let last = self.last.replace(Some(emitter));
+        if last == Some(emitter) {
+            return;
+        }
+        begins(scene, emitter);
+        let reflected = last.filter(|&last| !scene.is_luminaire(last));
+        if !scene.is_luminaire(emitter) && reflected.is_none_or(|last| emitter < last) {
+            self.rounds.set(self.rounds.get() + 1);
+        }
+    }
+
     /// Counts what a pair takes besides looks and loops.
     fn compute(&self, scene: &Scene<'_>, receiver: &Receiver<f32>, pair: Pair) {
         let (shape, emitter) = (
@@ -271,38 +307,41 @@ fn rules(scene: &Scene<'_>, index: usize, near: bool) {
     }
 }
 
-/// What direct light and a whole solve take on the rung `best`, counted.
+/// What direct light and a whole solve take on a rung, counted.
 ///
 /// # Errors
 /// Those of [`Scene::load`] and [`Light::new`].
-pub fn tally(tables: &Tables, sight: Sight, stop: Stop) -> Result<[Tally; 2], Error> {
+pub fn tally(tables: &Tables, rung: Rung, sight: Sight, stop: Stop) -> Result<[Tally; 2], Error> {
     let scene = Scene::load(tables.bytes())?;
     let counts = scene.counts();
     let sight = match counts.occluders {
         0 => Sight::None,
         _ => sight,
     };
-    match (counts.channels, counts.coefficients, counts.weights) {
-        (1, 1, 0) => of::<Constant<f32>>(scene, sight, stop),
-        (1, 1, _) => of::<Increment<f32>>(scene, sight, stop),
-        (1, ..) => of::<Linear<f32>>(scene, sight, stop),
-        (_, 1, 0) => of::<Constant<Rgb>>(scene, sight, stop),
-        (_, 1, _) => of::<Increment<Rgb>>(scene, sight, stop),
-        _ => of::<Linear<Rgb>>(scene, sight, stop),
-    }
+    with_rung!(rung, Kernel => match (counts.channels, counts.coefficients, counts.weights) {
+        (1, 1, 0) => of::<Kernel, Constant<f32>>(scene, sight, stop),
+        (1, 1, _) => of::<Kernel, Increment<f32>>(scene, sight, stop),
+        (1, ..) => of::<Kernel, Linear<f32>>(scene, sight, stop),
+        (_, 1, 0) => of::<Kernel, Constant<Rgb>>(scene, sight, stop),
+        (_, 1, _) => of::<Kernel, Increment<Rgb>>(scene, sight, stop),
+        _ => of::<Kernel, Linear<Rgb>>(scene, sight, stop),
+    })
 }
 
-fn of<L: Luminance>(scene: Scene<'_>, sight: Sight, stop: Stop) -> Result<[Tally; 2], Error> {
-    type Counting = Counted<Best<HostRoot>>;
+fn of<A: contours::Known, L: Luminance>(
+    scene: Scene<'_>,
+    sight: Sight,
+    stop: Stop,
+) -> Result<[Tally; 2], Error> {
     let transferred = Transferred {
         looking: Observed {
             looking: Looking::with(sight),
             ..Observed::default()
         },
-        coded: scene.counts().is_coded(),
-        last: None,
+        way: Way::of(&scene),
+        ..Transferred::default()
     };
-    let light = Light::<Counting, SAMPLES, EMITTERS, L, _>::with_sight(scene, transferred)?;
+    let light = Light::<Counted<A>, SAMPLES, EMITTERS, L, _>::with_sight(scene, transferred)?;
     let mut light = Box::new(light);
     let counts = scene.counts();
     let (emitters, members) = (counts.emitters as usize, counts.members as usize);
@@ -317,10 +356,17 @@ fn of<L: Luminance>(scene: Scene<'_>, sight: Sight, stop: Stop) -> Result<[Tally
     settle(1);
     let direct = COUNTED.get();
     COUNTED.set([0; Operation::ALL.len()]);
+    light.sight().rounds.set(0);
     let shots = light.solve(stop).shots as usize;
     count(Operation::Shot, shots);
-    // All are asked before every shot, and once more for what is left in the end.
-    let later = shots.saturating_sub(first);
+    let rounds = light.sight().rounds.get();
+    let by_turns = Transferred::sweeps(&scene);
+    // All are asked before every shot, or before every round, and once more for what is
+    // left in the end.
+    let later = match by_turns {
+        true => rounds,
+        false => shots.saturating_sub(first),
+    };
     let looks = match stop {
         Stop::Reflections(_) => 0,
         Stop::Shots(_) => later,
@@ -328,6 +374,7 @@ fn of<L: Luminance>(scene: Scene<'_>, sight: Sight, stop: Stop) -> Result<[Tally
     } + 1;
     settle(match stop {
         Stop::Reflections(times) => 1 + times as usize,
+        _ if by_turns => 1 + rounds,
         _ => 1,
     });
     count(Operation::Unshot, looks * emitters);

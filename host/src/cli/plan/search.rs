@@ -51,7 +51,7 @@ impl Found {
         let (ram, _) = planned.ram()?;
         let areas = planned.scene.surfaces.iter().map(|surface| surface.area);
         let operations = match wishes.instructions {
-            Some(_) => sheet::operations(&planned, pipeline::stop(None))?,
+            Some(_) => Some(sheet::operations(&planned, pipeline::stop(None))?),
             None => None,
         };
         let known = |operations: &Operations| Model::committed().knows(operations);

@@ -126,8 +126,7 @@ fn row(way: Way, asked: u64, planned: &Planned, field: &Field) -> Result<Row, Fa
     let solution = planned.solve(None)?;
     let operations = sheet::operations(planned, pipeline::stop(None))?;
     let model = Model::committed();
-    let known = operations.filter(|operations| model.knows(operations));
-    let steps = known.map(|operations| model.steps(&operations));
+    let steps = { model.knows(&operations) }.then(|| model.steps(&operations));
     let ram_bytes = planned.ram()?.0;
     let counted = match steps {
         Some(_) => None,

@@ -34,7 +34,7 @@ pub(super) fn done() -> [u64; KINDS] {
 }
 
 #[inline(always)]
-fn count(kind: Kind) {
+pub(super) fn count(kind: Kind) {
     DONE.with(|done| {
         let done = &done[kind as usize];
         done.set(done.get() + 1);

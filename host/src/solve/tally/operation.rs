@@ -46,7 +46,8 @@ operations! {
     Loop "loop",
     /// A corner of such a loop.
     Corner "corner",
-    /// An edge of such a loop that is seen under more than 90°.
+    /// An edge of such a loop that is seen under more than 90°; with `libm`, one whose arc
+    /// cosine takes a root: under less than 60° or more than 120°.
     Obtuse "obtuse",
     /// In integers: an edge above the horizon.
     Edge "edge",

@@ -4,7 +4,7 @@ use super::number::{CountedRoot, KINDS, Kind, Number32, done, receiver};
 use super::{Operation, count};
 use isolux::geometry::Receiver;
 use isolux::visibility::records::{Blocker, Occluders, Target};
-use isolux::visibility::{Exact, Gathered, Piece, Sum};
+use isolux::visibility::{Exact, Gathered, Piece, Sum, VertexRays, Visibility};
 
 /// The host's workspace of [`Looking`](super::super::looking::Looking), in numbers that
 /// count.
@@ -71,6 +71,28 @@ pub(super) fn look(
         is_linear,
     });
     arithmetic(SPLIT);
+}
+
+/// Looks once more by rays, and counts.
+pub(super) fn rays(
+    from: &Receiver<f32>,
+    target: &Target<'_>,
+    occluders: &Occluders<'_>,
+    blockers: &[Blocker],
+) {
+    let Some(receiver) = receiver(from) else {
+        return;
+    };
+    count(Operation::Look, 1);
+    count(Operation::Listed, blockers.len());
+    // Rays cut nothing into pieces.
+    let mut none = Pieces {
+        is_near: false,
+        is_linear: false,
+    };
+    let blockers = blockers.iter().copied();
+    VertexRays.look(&receiver, target, occluders, blockers, &mut none);
+    arithmetic(LOOK);
 }
 
 /// A sum over pieces, counted.
