@@ -13,9 +13,10 @@ use isolux_host::plan::shadow::Floor;
 use isolux_host::reference::{Reference, Reflections};
 use isolux_host::scene::Scene;
 use isolux_host::solve::{self, Rung, Sight, Solution};
+use std::ops::Range;
 
-/// Rooms, unless `ISOLUX_ROOMS` says how many.
-const ROOMS: u64 = 10;
+/// Rooms, unless `ISOLUX_ROOMS` says how many, or which: `65..66`.
+const ROOMS: Range<u64> = 0..10;
 
 /// Places of a surface at which its light is judged.
 const PLACES: usize = 100;
@@ -37,16 +38,18 @@ struct Outcome {
     /// Surfaces whose error is within what was predicted.
     within: usize,
     errors: Vec<f64>,
+    /// What is no light that a place may have, and what is no reason to refuse a room.
+    wrong: Vec<String>,
 }
 
 #[test]
 fn any_room_is_planned_or_refused() {
-    let rooms = std::env::var("ISOLUX_ROOMS").ok();
-    let rooms = rooms.and_then(|count| count.parse().ok()).unwrap_or(ROOMS);
+    let rooms = std::env::var("ISOLUX_ROOMS").map_or(ROOMS, |asked| which(&asked));
     let mut outcome = Outcome::default();
-    for seed in 0..rooms {
+    for seed in rooms.clone() {
         one(seed, &mut outcome);
     }
+    let rooms = rooms.count();
     outcome.errors.sort_by(f64::total_cmp);
     let part = |part: f64| {
         outcome
@@ -61,8 +64,21 @@ fn any_room_is_planned_or_refused() {
         part(0.5),
         part(0.95),
     );
-    assert!(outcome.refused as u64 * 4 <= rooms, "{outcome:?}");
+    assert!(outcome.wrong.is_empty(), "{:#?}", outcome.wrong);
+    assert!(outcome.refused * 4 <= rooms, "{outcome:?}");
     assert!(outcome.within * 100 >= outcome.surfaces * 95, "{outcome:?}");
+}
+
+/// `200` or `65..66`.
+fn which(asked: &str) -> Range<u64> {
+    let number = |text: &str| {
+        text.parse()
+            .expect("a number of rooms, or a range of seeds")
+    };
+    match asked.split_once("..") {
+        Some((first, end)) => number(first)..number(end),
+        None => 0..number(asked),
+    }
 }
 
 fn one(seed: u64, outcome: &mut Outcome) {
@@ -78,7 +94,10 @@ fn one(seed: u64, outcome: &mut Outcome) {
         Ok(plan) => plan,
         Err(error) => {
             println!("seed {seed}: {error}");
-            assert!(!error.to_string().is_empty());
+            // That the kernel does not take a plan is the planner's fault.
+            if matches!(error, pilot::Error::Kernel(_)) {
+                outcome.wrong.push(format!("seed {seed}: {error}"));
+            }
             outcome.refused += 1;
             return;
         }
@@ -139,11 +158,13 @@ fn judged(
         for (&place, truth) in places.iter().zip(&truth) {
             let value = light.resampled(index, place).expect("a place of it");
             let value = f64::from(value.expect("it has fields")[0]);
-            assert!(
-                value.is_finite() && (0.0..=4.0 * brightest).contains(&value),
-                "seed {seed}, {} at {place:?}: {value} of {truth}",
-                surface.name
-            );
+            if !(0.0..=4.0 * brightest).contains(&value) {
+                outcome.wrong.push(format!(
+                    "seed {seed}, {} at {place:?}: {value} of {truth}, the brightest {brightest}, \
+                     in the room {in_the_room}",
+                    surface.name
+                ));
+            }
             let error = (value - truth) / truth.max(DARK * brightest);
             sum += error.abs().min(WRONG).powi(2);
         }
