@@ -5,7 +5,7 @@
 //! ```text
 //! cargo bench --bench model              prints the costs and what they err by
 //! cargo bench --bench model -- --write   also writes benches/model.csv
-//! cargo bench --bench model -- q29 q24   only runs with one of these words among their
+//! cargo bench --bench model -- q29 poly5 only runs with one of these words among their
 //!                                        flags; what others gave stays as it is written
 //! ```
 //!
@@ -30,12 +30,17 @@ fn main() -> ExitCode {
         .filter(|argument| !argument.starts_with("--"))
         .collect();
     let asked = |run: &&model::Run| words.is_empty() || words.iter().any(|word| run.has(word));
-    let (Some(fitted), Some(others)) = (
+    let (Some(mut fitted), Some(rungs), Some(mut others)) = (
         observed(model::RUNS.iter().filter(asked), directory.path()),
+        observed(model::RUNGS.iter().filter(asked), directory.path()),
         observed(model::OTHERS.iter().filter(asked), directory.path()),
     ) else {
         return ExitCode::FAILURE;
     };
+    let (own, shared): (Vec<_>, Vec<_>) =
+        { rungs.into_iter() }.partition(|(_, step)| model::is_of_rung(&step.group));
+    fitted.extend(own);
+    others.extend(shared);
     let fitted: Vec<model::Observed> = fitted.into_iter().map(|(_, step)| step).collect();
     let (mut text, mut said) = model::model(&fitted);
     if !words.is_empty() {

@@ -36,6 +36,15 @@ const Q29: &[&str] = &["--arithmetic", "q29"];
 const Q24: &[&str] = &["--arithmetic", "q24"];
 const Q29_TERMS: &[&str] = &["--arithmetic", "q29", "--transfer", "matrix"];
 const Q24_TERMS: &[&str] = &["--arithmetic", "q24", "--transfer", "matrix"];
+const LIBM: &[&str] = &["--arithmetic", "libm"];
+const MICROMATH: &[&str] = &["--arithmetic", "micromath"];
+const POLY3: &[&str] = &["--arithmetic", "poly3"];
+const POLY5: &[&str] = &["--arithmetic", "poly5"];
+const POLY8: &[&str] = &["--arithmetic", "poly8"];
+const RAYS: &[&str] = &["--visibility", "vertex-rays"];
+// The rung is named for `-- best`.
+const TERMS: &[&str] = &["--transfer", "matrix", "--arithmetic", "best"];
+const VECTORS: &[&str] = &["--transfer", "vectors"];
 
 /// What the costs are fitted to: the shipped scenes as they are and every kind of emitter,
 /// visibility, transfer and reconstruction, each in several sizes.
@@ -106,6 +115,71 @@ pub(crate) const RUNS: [Run; 64] = [
     run("office", 340, Q24_TERMS),
 ];
 
+/// The same of the light of other rungs: loads and grids are those of [`RUNS`].
+pub(crate) const RUNGS: [Run; 61] = [
+    run("paper", 0, LIBM),
+    run("paper", 40, LIBM),
+    run("paper", 70, LIBM),
+    run("paper-aspect", 0, LIBM),
+    run("penumbra", 0, LIBM),
+    run("penumbra", 30, LIBM),
+    run("penumbra", 80, LIBM),
+    run("cornell", 200, LIBM),
+    run("office", 340, LIBM),
+    run("paper", 0, MICROMATH),
+    run("paper", 40, MICROMATH),
+    run("paper", 70, MICROMATH),
+    run("paper-aspect", 0, MICROMATH),
+    run("penumbra", 0, MICROMATH),
+    run("penumbra", 30, MICROMATH),
+    run("penumbra", 80, MICROMATH),
+    run("cornell", 200, MICROMATH),
+    run("office", 340, MICROMATH),
+    run("paper", 0, POLY3),
+    run("paper", 40, POLY3),
+    run("paper", 70, POLY3),
+    run("paper-aspect", 0, POLY3),
+    run("penumbra", 0, POLY3),
+    run("penumbra", 30, POLY3),
+    run("penumbra", 80, POLY3),
+    run("cornell", 200, POLY3),
+    run("office", 340, POLY3),
+    run("paper", 0, POLY5),
+    run("paper", 40, POLY5),
+    run("paper", 70, POLY5),
+    run("paper-aspect", 0, POLY5),
+    run("penumbra", 0, POLY5),
+    run("penumbra", 30, POLY5),
+    run("penumbra", 80, POLY5),
+    run("cornell", 200, POLY5),
+    run("office", 340, POLY5),
+    run("paper", 0, POLY8),
+    run("paper", 40, POLY8),
+    run("paper", 70, POLY8),
+    run("paper-aspect", 0, POLY8),
+    run("penumbra", 0, POLY8),
+    run("penumbra", 30, POLY8),
+    run("penumbra", 80, POLY8),
+    run("cornell", 200, POLY8),
+    run("office", 340, POLY8),
+    run("penumbra", 0, RAYS),
+    run("penumbra", 30, RAYS),
+    run("penumbra", 80, RAYS),
+    run("cornell", 200, RAYS),
+    run("cornell", 350, RAYS),
+    run("office", 340, RAYS),
+    run("cornell", 170, TERMS),
+    run("cornell", 250, TERMS),
+    run("office", 0, TERMS),
+    run("office", 340, TERMS),
+    run("cornell-rgb", 170, TERMS),
+    run("penumbra", 0, VECTORS),
+    run("cornell", 250, VECTORS),
+    run("office", 0, VECTORS),
+    run("office", 340, VECTORS),
+    run("cornell-rgb", 220, VECTORS),
+];
+
 /// What the costs are tried on, and are not fitted to.
 pub(crate) const OTHERS: [Run; 6] = [
     run("penumbra", 70, &[]),
@@ -161,6 +235,12 @@ pub(crate) struct Observed {
     pub(crate) group: String,
     pub(crate) done: BTreeMap<String, f64>,
     pub(crate) instructions: f64,
+}
+
+/// Whether costs of a group are those of the light of one rung, or of tables that no other
+/// has.
+pub(crate) fn is_of_rung(group: &str) -> bool {
+    group.starts_with("light") || ["load matrix", "load vectors"].contains(&group)
 }
 
 /// The steps of the answer of `isolux device --sheet --json`.

@@ -18,6 +18,9 @@ use std::ops::Range;
 /// Rooms, unless `ISOLUX_ROOMS` says how many, or which: `65..66`.
 const ROOMS: Range<u64> = 0..10;
 
+/// A room where all samples of a surface are next to dark, and a patch of it is not.
+const FAINT: u64 = 22;
+
 /// Places of a surface at which its light is judged.
 const PLACES: usize = 100;
 
@@ -44,12 +47,15 @@ struct Outcome {
 
 #[test]
 fn any_room_is_planned_or_refused() {
-    let rooms = std::env::var("ISOLUX_ROOMS").map_or(ROOMS, |asked| which(&asked));
+    let rooms: Vec<u64> = match std::env::var("ISOLUX_ROOMS") {
+        Ok(asked) => which(&asked).collect(),
+        Err(_) => ROOMS.chain([FAINT]).collect(),
+    };
     let mut outcome = Outcome::default();
-    for seed in rooms.clone() {
+    for &seed in &rooms {
         one(seed, &mut outcome);
     }
-    let rooms = rooms.count();
+    let rooms = rooms.len();
     outcome.errors.sort_by(f64::total_cmp);
     let part = |part: f64| {
         outcome
@@ -112,6 +118,20 @@ fn one(seed: u64, outcome: &mut Outcome) {
     judged(seed, &scene, &plan, [&light, &truth], outcome);
 }
 
+/// The most that a place of a surface has.
+fn brightest_of(floor: &Floor, fine: &Solution<'_>) -> f64 {
+    let (frame, side) = (&floor.frame, 60);
+    let cells = (0..side * side).map(|k| frame.cell_center(k % side, k / side, side, side));
+    let exposed = cells.filter(|&(u, v)| floor.is_exposed([u, v].into()));
+    let normal = frame.normal.as_vec3().to_array();
+    let receivers: Vec<([f32; 3], [f32; 3])> = exposed
+        .map(|(u, v)| (frame.to_world(u, v).as_vec3().to_array(), normal))
+        .collect();
+    let values = fine.at(&receivers).expect("places");
+    let values = values.iter().map(|at| f64::from(at.value[0]));
+    values.fold(0.0, f64::max)
+}
+
 /// Compares what is reconstructed with what many more patches send to the same places.
 fn judged(
     seed: u64,
@@ -158,7 +178,9 @@ fn judged(
         for (&place, truth) in places.iter().zip(&truth) {
             let value = light.resampled(index, place).expect("a place of it");
             let value = f64::from(value.expect("it has fields")[0]);
-            if !(0.0..=4.0 * brightest).contains(&value) {
+            // The brightest of some places is not that of the surface.
+            let bright = || brightest.max(brightest_of(&floor, fine));
+            if !(value >= 0.0 && (value <= 4.0 * brightest || value <= 4.0 * bright())) {
                 outcome.wrong.push(format!(
                     "seed {seed}, {} at {place:?}: {value} of {truth}, the brightest {brightest}, \
                      in the room {in_the_room}",

@@ -115,9 +115,9 @@ fn kind(counts: &Counts, rung: Rung, sight: Sight) -> String {
         _ => "linear",
     };
     let transfer = match () {
-        () if counts.is_coded() => "-codes".to_owned(),
         () if counts.terms > 0 => format!("-matrix{}", counts.bits),
         () if counts.responses > 0 => "-vectors".to_owned(),
+        () if counts.is_coded() => "-codes".to_owned(),
         () if counts.occluders == 0 => String::new(),
         () if sight == Sight::VertexRays => "-rays".to_owned(),
         () => "-exact".to_owned(),

@@ -114,9 +114,10 @@ impl Way {
     fn of(scene: &Scene<'_>) -> Self {
         let counts = scene.counts();
         match () {
-            () if counts.is_coded() => Self::Coded,
+            // Terms come with fractions, as codes do.
             () if counts.terms > 0 => Self::Terms,
             () if counts.responses > 0 => Self::Responses,
+            () if counts.is_coded() => Self::Coded,
             () => Self::Computed,
         }
     }

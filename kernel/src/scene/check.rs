@@ -1,6 +1,6 @@
 //! Everything that is demanded of tables, once.
 
-use super::records::{Counts, Loop, Sight, Surface, checksum};
+use super::records::{Counts, HEAVIEST, Loop, Sight, Surface, checksum};
 use super::{Scene, parts};
 use crate::Error;
 use crate::error::What;
@@ -310,10 +310,6 @@ const LARGEST: f32 = 1e17;
 /// The largest coordinate of a corner in its emitter's own frame, of which the
 /// farthest is 1, with room for rounding.
 const CORNER: f32 = 1.001;
-
-/// The largest weight that tables may hold: sums of weighted irradiances stay
-/// finite. Least squares over n members give weights of about 1/n.
-const HEAVIEST: f32 = 64.0;
 
 fn surface_is_sound(surface: &Surface) -> bool {
     let axes = [&surface.axis_u, &surface.axis_v, &surface.normal];

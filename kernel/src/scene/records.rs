@@ -76,6 +76,10 @@ impl Header {
     };
 }
 
+/// The largest weight of a member that tables may hold: sums of weighted irradiances stay
+/// finite. Least squares over n members give weights of about 1/n.
+pub const HEAVIEST: f32 = 64.0;
+
 /// How many records each section has, in the order of the sections.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes, IntoBytes, Immutable, KnownLayout,

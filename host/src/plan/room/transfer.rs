@@ -10,6 +10,7 @@ use super::super::patches::Patch;
 use super::super::{Plan, Receives, SurfacePlan};
 use super::{Known, Places};
 use glam::{DVec2, DVec3};
+use isolux::scene::records::HEAVIEST;
 use rayon::prelude::*;
 
 /// Samples that a patch is told by are chosen from so many nearest ones.
@@ -120,7 +121,15 @@ impl Kind {
                     }
                 }
             }
-            for (sample, weight) in shares::fit(&target, &offered, most) {
+            let fitted = shares::fit(&target, &offered, most);
+            // Where all samples of a surface are next to dark and a patch of it is not, they
+            // tell of its light by weights that no table holds: of a part of it, then.
+            let heaviest = fitted
+                .iter()
+                .fold(0.0, |most, (_, w)| f64::max(most, w.abs()));
+            let part = f64::min(1.0, f64::from(HEAVIEST) / heaviest);
+            for (sample, weight) in fitted {
+                let weight = part * weight;
                 match members.iter_mut().find(|(k, _)| *k == sample) {
                     Some((_, weights)) => weights[coefficient] = weight,
                     None => {
