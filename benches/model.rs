@@ -32,19 +32,22 @@ fn main() -> ExitCode {
     let asked = |run: &&model::Run| words.is_empty() || words.iter().any(|word| run.has(word));
     let (Some(mut fitted), Some(rungs), Some(mut others)) = (
         observed(model::RUNS.iter().filter(asked), directory.path()),
-        observed(model::RUNGS.iter().filter(asked), directory.path()),
+        observed(model::rungs().iter().filter(asked), directory.path()),
         observed(model::OTHERS.iter().filter(asked), directory.path()),
     ) else {
         return ExitCode::FAILURE;
     };
     let (own, shared): (Vec<_>, Vec<_>) =
-        { rungs.into_iter() }.partition(|(_, step)| model::is_of_rung(&step.group));
+        { rungs.into_iter() }.partition(|(_, step)| step.group.starts_with("light"));
     fitted.extend(own);
     others.extend(shared);
     let fitted: Vec<model::Observed> = fitted.into_iter().map(|(_, step)| step).collect();
-    let (mut text, mut said) = model::model(&fitted);
+    let written = match words.is_empty() {
+        true => String::new(),
+        false => std::fs::read_to_string(model::PATH).unwrap_or_default(),
+    };
+    let (mut text, mut said) = model::model(&fitted, &written);
     if !words.is_empty() {
-        let written = std::fs::read_to_string(model::PATH).unwrap_or_default();
         text = model::with_others(&written, &text);
     }
     said += &model::tried(&text, &others);

@@ -37,7 +37,7 @@ fn number(value: &Value) -> f64 {
 
 #[test]
 fn runs_keep_to_their_sheets() {
-    let runs: [&[&str]; 9] = [
+    let runs: [&[&str]; 13] = [
         &["paper"],
         &["cornell"],
         &["office", "--transfer", "codes"],
@@ -47,6 +47,10 @@ fn runs_keep_to_their_sheets() {
         &["penumbra", "--transfer", "codes"],
         &["paper", "--arithmetic", "q29"],
         &["office", "--arithmetic", "q29", "--transfer", "matrix"],
+        &["paper", "--arithmetic", "poly5"],
+        &["penumbra", "--arithmetic", "libm"],
+        &["penumbra", "--visibility", "vertex-rays"],
+        &["office", "--transfer", "vectors"],
     ];
     for arguments in runs {
         let Some(answer) = run(arguments) else {
@@ -105,9 +109,11 @@ fn what_was_not_measured_is_not_predicted() {
     let arguments = [
         "--json",
         "bake",
-        "paper",
+        "penumbra",
         "--arithmetic",
         "poly3",
+        "--visibility",
+        "vertex-rays",
         "-o",
         "a",
     ];

@@ -9,15 +9,20 @@ use std::path::Path;
 /// Where the committed costs are.
 pub(crate) const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/model.csv");
 
+/// Scenes of kinds that no shipped one is of.
+const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/scenes");
+
 /// The first line there.
 pub(crate) const HEAD: &str = "step,operation,instructions";
 
-/// A run: a shipped scene, its samples where they are others, and
-/// flags of `isolux device`.
+/// A run: a shipped scene or one of `benches/scenes`, its samples where they are others,
+/// flags of `isolux device`, and the rung of arithmetic where it is named.
+#[derive(Clone, Copy)]
 pub(crate) struct Run {
     scene: &'static str,
     samples: Option<u32>,
     flags: &'static [&'static str],
+    arithmetic: Option<&'static str>,
 }
 
 const fn run(scene: &'static str, samples: u32, flags: &'static [&'static str]) -> Run {
@@ -25,6 +30,15 @@ const fn run(scene: &'static str, samples: u32, flags: &'static [&'static str]) 
         scene,
         samples: if samples > 0 { Some(samples) } else { None },
         flags,
+        arithmetic: None,
+    }
+}
+
+/// The same where its rung of arithmetic is named.
+const fn on(arithmetic: &'static str, run: Run) -> Run {
+    Run {
+        arithmetic: Some(arithmetic),
+        ..run
     }
 }
 
@@ -36,19 +50,13 @@ const Q29: &[&str] = &["--arithmetic", "q29"];
 const Q24: &[&str] = &["--arithmetic", "q24"];
 const Q29_TERMS: &[&str] = &["--arithmetic", "q29", "--transfer", "matrix"];
 const Q24_TERMS: &[&str] = &["--arithmetic", "q24", "--transfer", "matrix"];
-const LIBM: &[&str] = &["--arithmetic", "libm"];
-const MICROMATH: &[&str] = &["--arithmetic", "micromath"];
-const POLY3: &[&str] = &["--arithmetic", "poly3"];
-const POLY5: &[&str] = &["--arithmetic", "poly5"];
-const POLY8: &[&str] = &["--arithmetic", "poly8"];
 const RAYS: &[&str] = &["--visibility", "vertex-rays"];
-// The rung is named for `-- best`.
-const TERMS: &[&str] = &["--transfer", "matrix", "--arithmetic", "best"];
+const TERMS: &[&str] = &["--transfer", "matrix"];
 const VECTORS: &[&str] = &["--transfer", "vectors"];
 
 /// What the costs are fitted to: the shipped scenes as they are and every kind of emitter,
 /// visibility, transfer and reconstruction, each in several sizes.
-pub(crate) const RUNS: [Run; 64] = [
+pub(crate) const RUNS: [Run; 94] = [
     run("paper", 0, &[]),
     run("paper", 40, &[]),
     run("paper", 70, &[]),
@@ -113,101 +121,113 @@ pub(crate) const RUNS: [Run; 64] = [
     run("cornell", 250, Q24_TERMS),
     run("office", 0, Q24_TERMS),
     run("office", 340, Q24_TERMS),
-];
-
-/// The same of the light of other rungs: loads and grids are those of [`RUNS`].
-pub(crate) const RUNGS: [Run; 61] = [
-    run("paper", 0, LIBM),
-    run("paper", 40, LIBM),
-    run("paper", 70, LIBM),
-    run("paper-aspect", 0, LIBM),
-    run("penumbra", 0, LIBM),
-    run("penumbra", 30, LIBM),
-    run("penumbra", 80, LIBM),
-    run("cornell", 200, LIBM),
-    run("office", 340, LIBM),
-    run("paper", 0, MICROMATH),
-    run("paper", 40, MICROMATH),
-    run("paper", 70, MICROMATH),
-    run("paper-aspect", 0, MICROMATH),
-    run("penumbra", 0, MICROMATH),
-    run("penumbra", 30, MICROMATH),
-    run("penumbra", 80, MICROMATH),
-    run("cornell", 200, MICROMATH),
-    run("office", 340, MICROMATH),
-    run("paper", 0, POLY3),
-    run("paper", 40, POLY3),
-    run("paper", 70, POLY3),
-    run("paper-aspect", 0, POLY3),
-    run("penumbra", 0, POLY3),
-    run("penumbra", 30, POLY3),
-    run("penumbra", 80, POLY3),
-    run("cornell", 200, POLY3),
-    run("office", 340, POLY3),
-    run("paper", 0, POLY5),
-    run("paper", 40, POLY5),
-    run("paper", 70, POLY5),
-    run("paper-aspect", 0, POLY5),
-    run("penumbra", 0, POLY5),
-    run("penumbra", 30, POLY5),
-    run("penumbra", 80, POLY5),
-    run("cornell", 200, POLY5),
-    run("office", 340, POLY5),
-    run("paper", 0, POLY8),
-    run("paper", 40, POLY8),
-    run("paper", 70, POLY8),
-    run("paper-aspect", 0, POLY8),
-    run("penumbra", 0, POLY8),
-    run("penumbra", 30, POLY8),
-    run("penumbra", 80, POLY8),
-    run("cornell", 200, POLY8),
-    run("office", 340, POLY8),
+    run("room", 60, &[]),
+    run("room", 90, &[]),
+    run("room", 0, &[]),
+    run("room", 180, &[]),
+    run("room-rgb", 60, &[]),
+    run("room-rgb", 0, &[]),
+    run("room-rgb", 180, &[]),
+    run("paper-rgb", 30, &[]),
+    run("paper-rgb", 0, &[]),
+    run("paper-rgb", 80, &[]),
+    run("paper-rgb", 30, LAYERS),
+    run("paper-rgb", 0, LAYERS),
+    run("paper-rgb", 80, LAYERS),
     run("penumbra", 0, RAYS),
     run("penumbra", 30, RAYS),
     run("penumbra", 80, RAYS),
     run("cornell", 200, RAYS),
     run("cornell", 350, RAYS),
     run("office", 340, RAYS),
+    run("cornell-rgb", 200, RAYS),
     run("cornell", 170, TERMS),
-    run("cornell", 250, TERMS),
     run("cornell", 200, TERMS),
-    run("cornell", 220, TERMS),
+    run("cornell", 250, TERMS),
+    run("cornell-rgb", 120, TERMS),
     run("cornell-rgb", 170, TERMS),
     run("penumbra", 0, VECTORS),
     run("cornell", 250, VECTORS),
     run("office", 0, VECTORS),
-    run("office", 340, VECTORS),
+    run("cornell-rgb", 120, VECTORS),
     run("cornell-rgb", 220, VECTORS),
 ];
 
+/// Every kind of light in `f32`, on each of [`ARITHMETIC`].
+const OF_EVERY_RUNG: [Run; 15] = [
+    run("paper", 0, &[]),
+    run("paper", 40, &[]),
+    run("paper", 70, &[]),
+    run("paper-aspect", 0, &[]),
+    run("penumbra", 0, &[]),
+    run("penumbra", 30, &[]),
+    run("penumbra", 80, &[]),
+    run("cornell", 200, &[]),
+    run("office", 340, &[]),
+    run("paper-aspect", 0, LAYERS),
+    run("cornell", 200, CODES),
+    run("cornell-rgb", 200, &[]),
+    run("room", 0, &[]),
+    run("room-rgb", 0, &[]),
+    run("paper-rgb", 0, &[]),
+];
+
+const ARITHMETIC: [&str; 5] = ["libm", "micromath", "poly3", "poly5", "poly8"];
+
+/// What the light of further rungs is fitted to; their loads and grids are those of [`RUNS`].
+pub(crate) fn rungs() -> Vec<Run> {
+    let of_arithmetic = |rung| OF_EVERY_RUNG.into_iter().map(move |run| on(rung, run));
+    ARITHMETIC.into_iter().flat_map(of_arithmetic).collect()
+}
+
 /// What the costs are tried on, and are not fitted to.
-pub(crate) const OTHERS: [Run; 6] = [
+pub(crate) const OTHERS: [Run; 16] = [
     run("penumbra", 70, &[]),
     run("cornell", 450, &[]),
     run("cornell-rgb", 350, &[]),
     run("office", 600, &[]),
     run("cornell", 450, CODES),
     run("office", 600, Q29_TERMS),
+    run("room", 140, &[]),
+    run("cornell", 130, RAYS),
+    run("cornell", 220, TERMS),
+    run("office", 340, VECTORS),
+    on("poly3", run("paper", 100, &[])),
+    on("poly5", run("cornell", 120, &[])),
+    on("poly5", run("office", 200, CODES)),
+    on("poly8", run("penumbra", 60, &[])),
+    on("libm", run("office", 250, &[])),
+    on("micromath", run("cornell-rgb", 130, &[])),
 ];
 
 impl Run {
-    /// Whether a flag is this word.
+    /// Whether a flag or the rung of arithmetic is this word.
     pub(crate) fn has(&self, word: &str) -> bool {
-        self.flags.contains(&word)
+        let named = self.flags.contains(&"--arithmetic");
+        let best = word == "best" && self.arithmetic.is_none() && !named;
+        best || self.flags.contains(&word) || self.arithmetic == Some(word)
     }
 
     /// Its scene, its samples and its flags.
     pub(crate) fn name(&self) -> String {
         let samples = self.samples.map(|samples| format!(" {samples}"));
-        let flags = self.flags.join(" ");
+        let flags = self.words().collect::<Vec<_>>().join(" ");
         format!("{}{} {flags}", self.scene, samples.unwrap_or_default())
+    }
+
+    fn words(&self) -> impl Iterator<Item = &'static str> {
+        let rung = self.arithmetic.into_iter();
+        let named = rung.flat_map(|rung| ["--arithmetic", rung]);
+        self.flags.iter().copied().chain(named)
     }
 
     /// Writes its scene and gives the arguments of the program.
     pub(crate) fn arguments(&self, directory: &Path) -> Vec<String> {
         let file = format!("{}.toml", self.scene);
-        let shipped = shipped::ALL.iter().find(|(name, _)| *name == file);
-        let mut text = shipped.expect("shipped").1.to_owned();
+        let mut text = match shipped::ALL.iter().find(|(name, _)| *name == file) {
+            Some((_, text)) => (*text).to_owned(),
+            None => std::fs::read_to_string(Path::new(SCENES).join(&file)).expect("a scene"),
+        };
         if let Some(samples) = self.samples {
             let mut lines: Vec<&str> = text.lines().collect();
             lines.retain(|line| !line.trim_start().starts_with("samples"));
@@ -219,12 +239,11 @@ impl Run {
             };
         }
         std::fs::write(directory.join(&file), text).expect("a file");
-        let begin = ["device", &file, "--sheet", "--json"];
-        begin
-            .iter()
-            .chain(self.flags)
-            .map(|word| (*word).to_owned())
-            .collect()
+        let mut all = ["device", &file, "--sheet", "--json"]
+            .map(str::to_owned)
+            .to_vec();
+        all.extend(self.words().map(str::to_owned));
+        all
     }
 }
 
@@ -235,12 +254,6 @@ pub(crate) struct Observed {
     pub(crate) group: String,
     pub(crate) done: BTreeMap<String, f64>,
     pub(crate) instructions: f64,
-}
-
-/// Whether costs of a group are those of the light of one rung, or of tables that no other
-/// has.
-pub(crate) fn is_of_rung(group: &str) -> bool {
-    group.starts_with("light") || ["load matrix", "load vectors"].contains(&group)
 }
 
 /// The steps of the answer of `isolux device --sheet --json`.
@@ -265,8 +278,8 @@ pub(crate) fn observed(answer: &Value) -> Vec<Observed> {
 
 /// The costs that err least, none below 0: the squares of relative errors are least
 /// (Lawson & Hanson 1974). Of operations that come in one proportion everywhere each gets
-/// a part.
-pub(crate) fn fitted(all: &[Observed]) -> BTreeMap<String, f64> {
+/// a part. What few runs tell nothing of stays `like` the costs that these are near to.
+pub(crate) fn fitted(all: &[Observed], like: &Costs) -> Costs {
     let names: BTreeSet<&String> = all.iter().flat_map(|one| one.done.keys()).collect();
     let of = |one: &Observed, name: &String| {
         one.done.get(name).copied().unwrap_or(0.0) / one.instructions
@@ -281,14 +294,24 @@ pub(crate) fn fitted(all: &[Observed]) -> BTreeMap<String, f64> {
         .collect();
     let count = columns.len();
     let products = |one: usize| (0..count).map(move |other| (one, other));
+    // What is known of a cost beforehand, and what a square of its change weighs.
+    let known = |one: usize| match like.get(columns[one].0) {
+        Some(&cost) => (
+            cost * columns[one].1,
+            (LIKE / (cost * columns[one].1)).powi(2),
+        ),
+        None => (0.0, RIDGE),
+    };
     let normal: Vec<Vec<f64>> = (0..count)
         .map(|one| {
             let row = products(one).map(|(a, b)| dot(&columns[a].2, &columns[b].2));
-            let ridge = |(other, x)| x + if one == other { RIDGE } else { 0.0 };
-            row.enumerate().map(ridge).collect()
+            let kept = |(other, x)| x + if one == other { known(one).1 } else { 0.0 };
+            row.enumerate().map(kept).collect()
         })
         .collect();
-    let along: Vec<f64> = columns.iter().map(|column| column.2.iter().sum()).collect();
+    let along: Vec<f64> = (0..count)
+        .map(|one| columns[one].2.iter().sum::<f64>() + known(one).0 * known(one).1)
+        .collect();
     let scaled = not_negative(&normal, &along);
     let costs = columns.iter().zip(scaled);
     costs
@@ -299,6 +322,11 @@ pub(crate) fn fitted(all: &[Observed]) -> BTreeMap<String, f64> {
 
 /// What keeps the normal equations of operations in one proportion solvable.
 const RIDGE: f64 = 1e-10;
+/// A cost that is twice another's counts as so much of an error of a step.
+const LIKE: f64 = 0.003;
+
+/// What operations cost.
+pub(crate) type Costs = BTreeMap<String, f64>;
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
@@ -377,7 +405,7 @@ fn solved(normal: &[Vec<f64>], along: &[f64], free: &[bool]) -> Vec<f64> {
 }
 
 /// By how much costs are wrong of a step, relative to what it took.
-pub(crate) fn error(costs: &BTreeMap<String, f64>, one: &Observed) -> f64 {
+pub(crate) fn error(costs: &Costs, one: &Observed) -> f64 {
     let cost = |(name, times): (&String, &f64)| costs.get(name).unwrap_or(&0.0) * times;
     let sum: f64 = one.done.iter().map(cost).sum();
     sum / one.instructions - 1.0
@@ -402,14 +430,32 @@ const UNTRIED: f64 = 0.009;
 /// What they may err by in loads, which the compiler makes other ones for every table.
 const LOADS: f64 = 0.05;
 
-/// The committed file, and what it errs by, in words.
-pub(crate) fn model(all: &[Observed]) -> (String, String) {
+/// The costs that those of a group are near to: the same in grey, or on the rung `best`, or
+/// of exact visibility.
+fn like(group: &str) -> Option<String> {
+    let grey = ["-rgb", " rgb"]
+        .iter()
+        .find_map(|rgb| group.strip_suffix(rgb));
+    if grey.is_some() || group == "load rooms" {
+        return Some(grey.unwrap_or("load exact").to_owned());
+    }
+    let rungs = ARITHMETIC.iter().map(|rung| format!("-{rung}"));
+    let own = { rungs }.find_map(|rung| Some(group.strip_suffix(&rung)?.to_owned()));
+    own.or_else(|| Some(format!("{}-exact", group.strip_suffix("-rays")?)))
+}
+
+/// The committed file, and what it errs by, in words; `written` has the costs of groups
+/// that are not of these steps.
+pub(crate) fn model(all: &[Observed], written: &str) -> (String, String) {
     let (mut text, mut said) = (format!("{HEAD}\n"), String::new());
+    let mut known = read(written);
     let groups: BTreeSet<&String> = all.iter().map(|one| &one.group).collect();
     for name in groups {
         let of_group = |one: &&Observed| one.group == *name;
         let its: Vec<Observed> = all.iter().filter(of_group).cloned().collect();
-        let costs = fitted(&its);
+        let like = like(name).and_then(|like| known.get(&like));
+        let costs = fitted(&its, like.unwrap_or(&Costs::new()));
+        known.insert(name.clone(), costs.clone());
         let errors: Vec<f64> = its.iter().map(|one| error(&costs, one)).collect();
         let largest = errors
             .iter()
@@ -435,23 +481,26 @@ pub(crate) fn model(all: &[Observed]) -> (String, String) {
     (text, said)
 }
 
-/// What written costs err by in steps that they were not fitted to, in words.
-pub(crate) fn tried(written: &str, others: &[(String, Observed)]) -> String {
-    let mut costs: BTreeMap<&str, BTreeMap<String, f64>> = BTreeMap::new();
+/// Written costs, by group.
+fn read(written: &str) -> BTreeMap<String, Costs> {
+    let mut costs: BTreeMap<String, Costs> = BTreeMap::new();
     for line in written.lines() {
         if let [group, operation, cost] = *line.split(',').collect::<Vec<_>>()
+            && operation != "error"
             && let Ok(cost) = cost.parse()
         {
-            costs
-                .entry(group)
-                .or_default()
-                .insert(operation.to_owned(), cost);
+            let its = costs.entry(group.to_owned()).or_default();
+            its.insert(operation.to_owned(), cost);
         }
     }
+    costs
+}
+
+/// What written costs err by in steps that they were not fitted to, in words.
+pub(crate) fn tried(written: &str, others: &[(String, Observed)]) -> String {
+    let costs = read(written);
     let said = |(run, one): &(String, Observed)| {
-        let error = costs
-            .get(one.group.as_str())
-            .map(|costs| 100.0 * error(costs, one));
+        let error = costs.get(&one.group).map(|costs| 100.0 * error(costs, one));
         let error = error.map_or("no costs".to_owned(), |error| format!("{error:+.2} %"));
         format!("not fitted: {run} {}: {error}\n", one.group)
     };

@@ -177,7 +177,7 @@ impl PredictedSteps {
 }
 
 /// Which costs a step has: direct light and shots are one program, another one for every
-/// kind of light, and so are loads but for colour; grids are others by cone, by tensors
+/// kind of light; loads are others by transfer, and in colour where nothing hides anything; grids are others by cone, by tensors
 /// alone and with meshes, and in colour; in integers loads and grids are others too.
 pub fn group<'a>(step: &str, kind: &str, done: impl IntoIterator<Item = &'a str>) -> String {
     let colour = if kind.ends_with("-rgb") { " rgb" } else { "" };
@@ -187,8 +187,9 @@ pub fn group<'a>(step: &str, kind: &str, done: impl IntoIterator<Item = &'a str>
         "load" if kind.contains("-codes") => "load codes".to_owned(),
         "load" if kind.contains("-matrix") => "load matrix".to_owned(),
         "load" if kind.contains("-vectors") => "load vectors".to_owned(),
-        "load" if kind.contains("-exact") => "load exact".to_owned(),
-        "load" => "load".to_owned(),
+        "load" if kind.contains("-exact") || kind.contains("-rays") => "load exact".to_owned(),
+        "load" if kind.starts_with("linear") => format!("load rooms{colour}"),
+        "load" => format!("load{colour}"),
         step => {
             let words: Vec<&str> = done.into_iter().collect();
             let way = match () {

@@ -359,6 +359,7 @@ fn of<A: contours::Known, L: Luminance>(
     COUNTED.set([0; Operation::ALL.len()]);
     light.sight().rounds.set(0);
     let shots = light.solve(stop).shots as usize;
+    count(Operation::Solve, 1);
     count(Operation::Shot, shots);
     let rounds = light.sight().rounds.get();
     let by_turns = Transferred::sweeps(&scene);

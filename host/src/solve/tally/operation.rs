@@ -24,6 +24,8 @@ macro_rules! operations {
 }
 
 operations! {
+    /// Light is solved for to the end, after direct light.
+    Solve "solve",
     /// An emitter shoots.
     Shot "shot",
     /// A surface is looked through for samples that it shoots at.
