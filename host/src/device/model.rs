@@ -3,9 +3,10 @@
 //!
 //! The costs are committed (`benches/model.csv`), fitted once to runs of many scenes on
 //! the emulated core by `cargo bench --bench model -- --write`; [`Model::error`] is what the
-//! sum errs by in them at the most, with an allowance for other scenes. They are of the rung `best` on a Cortex-M4F with its
-//! own square root, and of tables in integers on a Cortex-M3, which has no FPU; in a program
-//! linked for speed.
+//! sum errs by in them at the most, with an allowance for other scenes. They are of every
+//! rung on a Cortex-M4F with its own square root, and of tables in integers on a Cortex-M3,
+//! which has no FPU; in a program linked for speed. A combination of rungs that no run was
+//! made of has none.
 
 use std::collections::BTreeMap;
 
