@@ -125,7 +125,14 @@ fn what_cannot_be_met_is_named_with_the_nearest_and_nothing_is_written() {
             ["the wish --instructions", "raise --instructions"],
         ),
         (
-            &["--instructions", "1000000", "--arithmetic", "poly3"],
+            &[
+                "--instructions",
+                "1000000",
+                "--arithmetic",
+                "poly3",
+                "--visibility",
+                "vertex-rays",
+            ],
             ["no instructions are predicted", "leave out --instructions"],
         ),
         (
