@@ -6,10 +6,11 @@ use crate::random::Random;
 use glam::DVec3;
 use isolux::shoot::Stop;
 use isolux_host::bake;
+use isolux_host::compare::Regions;
 use isolux_host::occlusion::Occlusion;
 use isolux_host::pilot::{self, Manner};
-use isolux_host::plan::Plan;
 use isolux_host::plan::shadow::Floor;
+use isolux_host::plan::{Plan, PredictedAt, SurfacePlan, Tag};
 use isolux_host::reference::{Reference, Reflections};
 use isolux_host::scene::Scene;
 use isolux_host::solve::{self, Rung, Sight, Solution};
@@ -21,8 +22,10 @@ const ROOMS: Range<u64> = 0..10;
 /// A room where all samples of a surface are next to dark, and a patch of it is not.
 const FAINT: u64 = 22;
 
-/// Places of a surface at which its light is judged.
+/// Places of a surface at which its light is judged, and those that a tag is judged by at
+/// the least.
 const PLACES: usize = 100;
+const OF_A_TAG: f64 = 10.0;
 
 /// Light below this part of a surface's brightest place counts as that much.
 const DARK: f64 = 1e-3;
@@ -41,6 +44,8 @@ struct Outcome {
     /// Surfaces whose error is within what was predicted.
     within: usize,
     errors: Vec<f64>,
+    /// Tags of surfaces, and how many of them err within what was predicted.
+    tags: [usize; 2],
     /// What is no light that a place may have, and what is no reason to refuse a room.
     wrong: Vec<String>,
 }
@@ -72,7 +77,10 @@ fn any_room_is_planned_or_refused() {
     );
     assert!(outcome.wrong.is_empty(), "{:#?}", outcome.wrong);
     assert!(outcome.refused * 4 <= rooms, "{outcome:?}");
+    let [tags, within] = outcome.tags;
+    println!("{within} of {tags} tags of surfaces within the prediction");
     assert!(outcome.within * 100 >= outcome.surfaces * 95, "{outcome:?}");
+    assert!(within * 100 >= tags * 90, "{outcome:?}");
 }
 
 /// `200` or `65..66`.
@@ -141,6 +149,7 @@ fn judged(
     outcome: &mut Outcome,
 ) {
     let mut random = Random(seed + 1000);
+    let regions = Regions::of(scene).expect("regions");
     let samples = light.irradiance().into_iter().flatten().map(f64::from);
     let in_the_room = samples.fold(0.0, f64::max);
     for (index, surface) in scene.surfaces.iter().enumerate() {
@@ -174,7 +183,7 @@ fn judged(
         if brightest <= 1e-6 * in_the_room {
             continue;
         }
-        let mut sum = 0.0;
+        let mut squares: Vec<(Tag, f64, f64)> = Vec::new();
         for (&place, truth) in places.iter().zip(&truth) {
             let value = light.resampled(index, place).expect("a place of it");
             let value = f64::from(value.expect("it has fields")[0]);
@@ -188,9 +197,17 @@ fn judged(
                 ));
             }
             let error = (value - truth) / truth.max(DARK * brightest);
-            sum += error.abs().min(WRONG).powi(2);
+            let [u, v] = place.map(f64::from);
+            let tag = regions.tag(index, frame.to_world(u, v));
+            squares.push((tag, error.abs().min(WRONG).powi(2), 1.0));
         }
+        let sum: f64 = squares.iter().map(|(_, square, _)| square).sum();
         let error = (sum / places.len() as f64).sqrt();
+        judged_by_tag(
+            &PredictedAt::by_tag(places.len() as f64, &squares),
+            planned,
+            outcome,
+        );
         let squares = planned.predicted.iter().map(|p| p.rms * p.rms * p.area);
         let predicted = (squares.sum::<f64>() / surface.area).sqrt();
         outcome.surfaces += 1;
@@ -202,5 +219,15 @@ fn judged(
             );
         }
         outcome.errors.push(error);
+    }
+}
+
+/// Compares what the places of each tag err by with what was predicted of them.
+fn judged_by_tag(found: &[PredictedAt], planned: &SurfacePlan, outcome: &mut Outcome) {
+    for found in found.iter().filter(|found| found.area >= OF_A_TAG) {
+        let mut predicted = planned.predicted_by_tag.iter();
+        let predicted = predicted.find(|predicted| predicted.tag == found.tag);
+        outcome.tags[0] += 1;
+        outcome.tags[1] += usize::from(predicted.is_some_and(|p| found.rms <= p.rms));
     }
 }

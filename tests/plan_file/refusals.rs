@@ -168,6 +168,11 @@ fn records_of_emitters_and_meshes_are_checked() {
             "  [\"glow\", 0.1, 1.0],",
             "no part of the light",
         ),
+        (
+            "predicted-by-tag = [",
+            "  [\"grid\", 0.1, 1.0],",
+            "no place has this tag",
+        ),
     ];
     for (head, by, words) in cases {
         let mut lines: Vec<&str> = plan.lines().collect();

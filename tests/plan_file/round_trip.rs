@@ -35,6 +35,15 @@ fn same_bytes(scene: &Scene, plan: &Plan, occlusion: Option<&Occlusion>, what: &
     assert_eq!(text(scene, &rungs, &read.plan), written, "{what}");
     let samples = |plan: &Plan| (plan.samples(), plan.free_samples());
     assert_eq!(samples(plan), samples(&read.plan), "{what}");
+    let [before, after] = [plan, &read.plan].map(Plan::predicted_by_tag);
+    assert_eq!(before.len(), after.len(), "{what}");
+    for (before, after) in before.iter().zip(&after) {
+        assert_eq!(before.tag, after.tag, "{what}");
+        assert!(
+            (before.rms - after.rms).abs() <= 1e-6 * before.rms,
+            "{what}"
+        );
+    }
     let areas = || scene.surfaces.iter().map(|surface| surface.area);
     let [before, after] = [plan, &read.plan].map(|plan| plan.predicted_error(areas()));
     match (before, after) {

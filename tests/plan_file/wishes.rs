@@ -42,7 +42,9 @@ fn the_sheet_adds_up_and_check_agrees() {
             let tags = surface["by_tag"].as_object().expect("tags");
             let tagged: u64 = tags.values().map(count).sum();
             assert_eq!(tagged, count(&surface["samples"]), "{surface}");
+            errors_add_up(surface);
         }
+        errors_add_up(&sheet);
         let parts = ["light_bytes", "workspace_bytes", "room_bytes"];
         let ram: u64 = parts.iter().map(|key| count(&sheet[*key])).sum();
         assert_eq!(ram, count(&sheet["ram_bytes"]), "{scene}");
@@ -60,6 +62,19 @@ fn the_sheet_adds_up_and_check_agrees() {
             "{scene}"
         );
     }
+}
+
+/// Squares of the errors by tag have the predicted error's as their mean over the area.
+fn errors_add_up(of: &Value) {
+    let number = |value: &Value| value.as_f64().expect("a number");
+    let tags = of["predicted_by_tag"].as_array().expect("tags");
+    let (mut loss, mut area) = (0.0, 0.0);
+    for tag in tags {
+        loss += number(&tag["error"]).powi(2) * number(&tag["area"]);
+        area += number(&tag["area"]);
+    }
+    let error = number(&of["predicted_error"]);
+    assert!(((loss / area).sqrt() / error - 1.0).abs() < 1e-6, "{of}");
 }
 
 #[test]

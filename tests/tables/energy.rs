@@ -92,6 +92,7 @@ fn patches(surface: &scene::Surface, side: usize) -> SurfacePlan {
         points: Vec::new(),
         fields: Vec::new(),
         predicted: Vec::new(),
+        predicted_by_tag: Vec::new(),
         filter_radius: if surface.reflectance[0] == 0.0 {
             0.0
         } else {

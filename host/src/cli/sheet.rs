@@ -5,7 +5,7 @@ use super::pipeline::Planned;
 use super::render::GRID;
 use crate::device::model::{self, Model, Predicted, PredictedSteps};
 use crate::device::operations::{Done, Operations};
-use crate::plan::{SurfacePlan, Tag};
+use crate::plan::{PredictedAt, SurfacePlan, Tag};
 use crate::report::{percent, quantity};
 use crate::solve::FormFactorRung;
 use isolux::budget;
@@ -32,6 +32,8 @@ pub(super) struct Sheet {
     table_bytes: u64,
     /// In percent; `null` where the planner made no prediction.
     predicted_error: Option<f64>,
+    /// The same by what light does at a place.
+    predicted_by_tag: Vec<OfTag>,
     surfaces: Vec<OfSurface>,
     /// `null` for rungs that no costs were measured for.
     cost: Option<Cost>,
@@ -93,6 +95,8 @@ struct OfSurface {
     predicted_error: Option<f64>,
     /// The same of every part of its light.
     parts: Vec<OfPart>,
+    /// And by what light does at a place.
+    predicted_by_tag: Vec<OfTag>,
 }
 
 #[derive(Clone, Serialize)]
@@ -101,6 +105,15 @@ struct OfPart {
     /// In percent of all light there.
     error: f64,
     /// The area in m² that it is the mean over.
+    area: f64,
+}
+
+#[derive(Clone, Serialize)]
+struct OfTag {
+    tag: &'static str,
+    /// In percent of all light there.
+    error: f64,
+    /// The area in m² of its places.
     area: f64,
 }
 
@@ -132,6 +145,7 @@ impl Sheet {
                 .predicted_error(surface.area)
                 .map(|error| 100.0 * error),
             parts: parts(planned),
+            predicted_by_tag: predicted_by_tag(&planned.predicted_by_tag),
         };
         Ok(Self {
             scene: scene.name.clone(),
@@ -153,6 +167,7 @@ impl Sheet {
             room_bytes: room,
             table_bytes: planned.tables.bytes().len() as u64,
             predicted_error: error.map(|error| 100.0 * error),
+            predicted_by_tag: predicted_by_tag(&plan.predicted_by_tag()),
             surfaces: looked_at.map(of_surface).collect(),
             cost: None,
         })
@@ -223,7 +238,11 @@ impl Sheet {
             self.table_bytes
         );
         text += &match self.predicted_error {
-            Some(error) => format!("  predicted error {} % (relative, rms)\n", percent(error)),
+            Some(error) => format!(
+                "  predicted error {} % (relative, rms){}\n",
+                percent(error),
+                in_brackets(&self.predicted_by_tag)
+            ),
             None => "  no error is predicted: the placement is not by error\n".to_owned(),
         };
         let width = self
@@ -238,9 +257,9 @@ impl Sheet {
                 .iter()
                 .map(|(tag, count)| format!("{count} {tag}"));
             let tags: Vec<String> = tags.collect();
-            let error = surface.predicted_error;
-            let error = error.map_or(String::new(), |error| {
-                format!(", error {} %", percent(error))
+            let error = surface.predicted_error.map_or(String::new(), |error| {
+                let by_tag = in_brackets(&surface.predicted_by_tag);
+                format!(", error {} %{by_tag}", percent(error))
             });
             text += &format!(
                 "  {:width$}  {:>4} samples ({}), {} free, {} emitters{error}\n",
@@ -289,10 +308,11 @@ impl Sheet {
         let error = |error: Option<f64>| error.map_or("-".to_owned(), percent);
         text += &format!(
             "\nPredicted error in percent, relative, the root of the mean square: {} on all \
-             surfaces together.\n\n\
-             | surface | samples | free | emitters | error | by part |\n\
-             | --- | ---: | ---: | ---: | ---: | --- |\n",
-            error(self.predicted_error)
+             surfaces together{}.\n\n\
+             | surface | samples | free | emitters | error | by part | by tag |\n\
+             | --- | ---: | ---: | ---: | ---: | --- | --- |\n",
+            error(self.predicted_error),
+            in_brackets(&self.predicted_by_tag)
         );
         for surface in &self.surfaces {
             let parts = surface.parts.iter();
@@ -302,14 +322,15 @@ impl Sheet {
             let tags = surface.by_tag.iter();
             let tags: Vec<String> = tags.map(|(tag, count)| format!("{count} {tag}")).collect();
             text += &format!(
-                "| {} | {} ({}) | {} | {} | {} | {} |\n",
+                "| {} | {} ({}) | {} | {} | {} | {} | {} |\n",
                 surface.name.replace('|', "\\|"),
                 surface.samples,
                 tags.join(", "),
                 surface.free_samples,
                 surface.emitters,
                 error(surface.predicted_error),
-                parts.join(", ")
+                parts.join(", "),
+                errors(&surface.predicted_by_tag)
             );
         }
         if let Some(cost) = &self.cost {
@@ -397,6 +418,31 @@ fn parts(planned: &SurfacePlan) -> Vec<OfPart> {
         area: part.area,
     };
     planned.predicted.iter().map(of).collect()
+}
+
+fn predicted_by_tag(predicted: &[PredictedAt]) -> Vec<OfTag> {
+    let of = |at: &PredictedAt| OfTag {
+        tag: at.tag.name(),
+        error: 100.0 * at.rms,
+        area: at.area,
+    };
+    predicted.iter().map(of).collect()
+}
+
+/// `lit 0.5, penumbra 2.0`, in percent.
+fn errors(tags: &[OfTag]) -> String {
+    let tags = tags
+        .iter()
+        .map(|at| format!("{} {}", at.tag, percent(at.error)));
+    tags.collect::<Vec<_>>().join(", ")
+}
+
+/// The same in brackets; nothing where nothing is predicted.
+fn in_brackets(tags: &[OfTag]) -> String {
+    match tags {
+        [] => String::new(),
+        tags => format!(" ({})", errors(tags)),
+    }
 }
 
 fn by_tag(planned: &SurfacePlan) -> BTreeMap<&'static str, usize> {

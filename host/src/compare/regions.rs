@@ -2,7 +2,7 @@
 
 use super::{Compared, Errors, Seen, errors_by_scale, mean};
 use crate::plan::shadow::{Error, Floor};
-use crate::plan::{SurfacePlan, Tag};
+use crate::plan::{self, SurfacePlan, Tag};
 use crate::reference::Lookout;
 use crate::scene::Scene;
 use glam::{DVec2, DVec3};
@@ -39,15 +39,6 @@ struct Judged {
 /// Is told how many more places have been looked at, from any thread.
 type Done<'a> = &'a (dyn Fn(usize) + Sync);
 
-/// The tags that places have, in the order of tables.
-const TAGS: [Tag; 5] = [
-    Tag::Lit,
-    Tag::Penumbra,
-    Tag::Umbra,
-    Tag::Contact,
-    Tag::Reflected,
-];
-
 impl Regions {
     /// The regions of all surfaces.
     ///
@@ -69,30 +60,22 @@ impl Regions {
         })
     }
 
-    /// The tag of a place of a surface, by the exact shadows:
-    ///
-    /// * `contact` at the foot of something ([`Floor::is_at_foot`]), else
-    /// * `lit` where nothing hides any part of a luminaire that it faces, `umbra` where all of
-    ///   them are hidden, `penumbra` where some part is, and
-    /// * `reflected` where it faces none.
+    /// The tag of a place of a surface ([`Tag::of_place`]), by the exact shadows.
     ///
     /// Costs a look at every luminaire.
     pub fn tag(&self, surface: usize, position: DVec3) -> Tag {
         let floor = &self.floors[surface];
         let frame = &floor.frame;
         let (u, v) = frame.to_local(position);
-        if floor.is_at_foot(DVec2::new(u, v)) {
-            return Tag::Contact;
-        }
         let looks = self.lookouts.iter();
         let looks = looks.map(|lookout| lookout.look(position, frame.normal));
-        let faced: Vec<_> = looks.filter(|looked| looked.whole > 0.0).collect();
-        match () {
-            () if faced.is_empty() => Tag::Reflected,
-            () if faced.iter().all(|looked| looked.is_whole) => Tag::Lit,
-            () if faced.iter().all(|looked| looked.is_hidden) => Tag::Umbra,
-            () => Tag::Penumbra,
-        }
+        let faced = looks.filter(|looked| looked.whole > 0.0);
+        let seen = faced.map(|looked| match (looked.is_whole, looked.is_hidden) {
+            (true, _) => plan::Seen::Wholly,
+            (_, true) => plan::Seen::Hidden,
+            _ => plan::Seen::Partly,
+        });
+        Tag::of_place(floor.is_at_foot(DVec2::new(u, v)), seen)
     }
 
     /// What the places of each tag err by, of a surface's grid; `done` is told how many
@@ -161,6 +144,6 @@ impl Regions {
                 errors: errors_by_scale(errors),
             })
         };
-        TAGS.into_iter().filter_map(of_tag).collect()
+        Tag::OF_PLACES.into_iter().filter_map(of_tag).collect()
     }
 }

@@ -10,7 +10,7 @@ use crate::occlusion::Occlusion;
 use crate::plan::fields::counted;
 use crate::plan::room::{Known, Places};
 use crate::plan::shadow::Floor;
-use crate::plan::{Part, Plan, Predicted, SurfacePlan};
+use crate::plan::{Part, Plan, Predicted, PredictedAt, Seen, SurfacePlan, Tag};
 use crate::scene::{Scene, Surface};
 use crate::solve::{self, Rung, Sight, Solution};
 use glam::DVec3;
@@ -28,6 +28,9 @@ const SAFE: f64 = 2.5;
 
 /// What the judge itself is taken to miss, of reflected light.
 const MISSED: f64 = 0.01;
+
+/// The part of a luminaire that is nothing in single precision.
+const NOTHING: f32 = 1e-5;
 
 /// Reflected light as many patches know it.
 pub(super) struct Judge<'t> {
@@ -70,7 +73,7 @@ impl<'t> Judge<'t> {
 }
 
 /// Tries a plan whose tables are these on the host, and says what every surface errs by:
-/// its parts in the proportion that they were predicted in.
+/// by tag as it was found, and its parts in the proportion that they were predicted in.
 pub(super) fn tried(
     scene: &Scene,
     plan: &mut Plan,
@@ -86,16 +89,21 @@ pub(super) fn tried(
             continue;
         }
         let floor = Floor::of(scene, index).map_err(|error| Error::Room(error.into()))?;
-        if let Some(rms) = error(&light, index, &floor, known) {
-            said(planned, surface, rms);
+        if let Some(by_tag) = errors(&light, (index, surface.area), &floor, known) {
+            planned.predicted_by_tag = by_tag;
+            said(planned, surface);
         }
     }
     Ok(())
 }
 
-/// What a surface may err by, the root of the mean square at its places; `None` where it is
-/// dark.
-fn error(light: &Solution<'_>, index: usize, floor: &Floor, known: &Known<'_>) -> Option<f64> {
+/// What a surface may err by at its places, by their tags; `None` where it is dark.
+fn errors(
+    light: &Solution<'_>,
+    (index, area): (usize, f64),
+    floor: &Floor,
+    known: &Known<'_>,
+) -> Option<Vec<PredictedAt>> {
     let frame = &floor.frame;
     let places = spread(floor);
     let in_space: Vec<(DVec3, DVec3)> = places
@@ -103,22 +111,35 @@ fn error(light: &Solution<'_>, index: usize, floor: &Floor, known: &Known<'_>) -
         .map(|&[u, v]| (frame.to_world(u, v), frame.normal))
         .collect();
     let reflected = (known.settled)(&in_space);
-    let direct = (known.direct)(&in_space).into_iter();
-    let truth: Vec<f64> = (reflected.iter().zip(direct))
+    let direct = (known.direct)(&in_space);
+    let whole = (known.unshadowed)(&in_space);
+    let truth: Vec<f64> = (reflected.iter().zip(&direct))
         .map(|(reflected, direct)| reflected + direct.iter().map(|&x| f64::from(x)).sum::<f64>())
         .collect();
     let brightest = truth.iter().copied().fold(0.0, f64::max);
-    let (mut loss, mut whole) = (0.0, 0.0);
+    let mut found = Vec::with_capacity(places.len());
     for (k, (&place, &(at, normal))) in places.iter().zip(&in_space).enumerate() {
-        let found = light.resampled(index, place.map(|x| x as f32)).ok()??;
-        let value = found.into_iter().map(f64::from).sum::<f64>() / 3.0;
+        let value = light.resampled(index, place.map(|x| x as f32)).ok()??;
+        let value = value.into_iter().map(f64::from).sum::<f64>() / 3.0;
         let scale = truth[k].max(DARK * brightest);
-        let weight = (known.importance)(at, normal);
         let missed = MISSED * reflected[k] / scale;
-        loss += weight * (SAFE * SAFE * counted((value - truth[k]) / scale) + missed * missed);
-        whole += weight;
+        let square = SAFE * SAFE * counted((value - truth[k]) / scale) + missed * missed;
+        let tag = Tag::of_place(floor.is_at_foot(place.into()), seen(&direct[k], &whole[k]));
+        found.push((tag, square, (known.importance)(at, normal)));
     }
-    (brightest > 0.0 && whole > 0.0).then(|| (loss / whole).sqrt())
+    let by_tag = PredictedAt::by_tag(area, &found);
+    (brightest > 0.0 && !by_tag.is_empty()).then_some(by_tag)
+}
+
+/// How the luminaires are seen that a place faces, of which so much arrives and so much
+/// would if nothing hid them.
+fn seen<'a>(direct: &'a [f32], whole: &'a [f32]) -> impl Iterator<Item = Seen> + 'a {
+    let faced = direct.iter().zip(whole).filter(|(_, whole)| **whole > 0.0);
+    faced.map(|(direct, whole)| match direct / whole {
+        part if part >= 1.0 - NOTHING => Seen::Wholly,
+        part if part <= NOTHING => Seen::Hidden,
+        _ => Seen::Partly,
+    })
 }
 
 /// Places all over what nothing covers of a surface, evenly: the additive sequence of the plastic number, the
@@ -138,8 +159,11 @@ fn spread(floor: &Floor) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Makes the parts of a surface's prediction this error together.
-fn said(planned: &mut SurfacePlan, surface: &Surface, rms: f64) {
+/// Makes the parts of a surface's prediction together what its tags are.
+fn said(planned: &mut SurfacePlan, surface: &Surface) {
+    let by_tag = planned.predicted_by_tag.iter();
+    let loss: f64 = by_tag.map(|at| at.rms * at.rms * at.area).sum();
+    let rms = (loss / surface.area).sqrt();
     match planned.predicted_error(surface.area) {
         Some(before) if before > 0.0 => {
             for part in &mut planned.predicted {

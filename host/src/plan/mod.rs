@@ -24,6 +24,7 @@ pub mod room;
 pub mod shadow;
 mod share;
 mod spacing;
+mod tag;
 
 use crate::scene::frame::Frame;
 use crate::scene::{Budget, Scene, Surface};
@@ -31,8 +32,9 @@ pub use error::{error_driven, error_driven_with_few_points};
 use fields::Field as Term;
 use glam::DVec3;
 use patches::Patch;
-pub use predicted::{Part, Predicted};
+pub use predicted::{Part, Predicted, PredictedAt};
 use std::f64::consts::PI;
+pub use tag::{Receives, Seen, Tag};
 
 /// Where the samples of a scene are, and which polygons shoot.
 #[derive(Clone, Debug)]
@@ -74,6 +76,8 @@ pub struct SurfacePlan {
     pub filter_radius: f64,
     /// What it is predicted to err by; nothing where the planner made no prediction.
     pub predicted: Vec<Predicted>,
+    /// The same by what light does at a place; tags without a place are left out.
+    pub predicted_by_tag: Vec<PredictedAt>,
 }
 
 /// A sample that shoots what reaches it: a secondary emitter for receivers that
@@ -98,6 +102,7 @@ impl SurfacePlan {
             fields: Vec::new(),
             filter_radius: 0.0,
             predicted: Vec::new(),
+            predicted_by_tag: Vec::new(),
         }
     }
 
@@ -179,97 +184,6 @@ pub struct Sample {
     pub vertex: [f64; 2],
     /// Why it is there.
     pub tag: Tag,
-}
-
-/// Why a sample is where it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Tag {
-    /// On the surface's own outline, a vertex of the darkest emitter.
-    Edge,
-    /// On an isolux outline, a vertex of two emitters.
-    Isolux,
-    /// At the largest irradiance.
-    Peak,
-    /// Inside a patch, for direct light.
-    Direct,
-    /// Inside a patch, for reflected light.
-    Reflected,
-    /// At a node of a tensor grid, for all light.
-    Grid,
-    /// At a node of a tensor grid, for what luminaires would send if nothing
-    /// occluded.
-    Lit,
-    /// Where a luminaire is seen in part.
-    Penumbra,
-    /// Near the line where something touches the surface, for reflected light.
-    Contact,
-    /// Where luminaires would be seen and all of them are hidden, for reflected light: all
-    /// light there is.
-    Umbra,
-    /// For the camera, for reflected light: without it the sample would be elsewhere.
-    View,
-}
-
-/// Which light reaches a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Receives {
-    /// All of it.
-    All,
-    /// From luminaires, past what occludes.
-    Unshadowed,
-    /// From luminaires.
-    Direct,
-    /// From what reflects.
-    Reflected,
-}
-
-impl Tag {
-    /// All of them.
-    pub const ALL: [Self; 11] = [
-        Self::Edge,
-        Self::Isolux,
-        Self::Peak,
-        Self::Direct,
-        Self::Reflected,
-        Self::Grid,
-        Self::Lit,
-        Self::Penumbra,
-        Self::Contact,
-        Self::Umbra,
-        Self::View,
-    ];
-
-    /// The tag of that name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|tag| tag.name() == name)
-    }
-
-    /// What the tag is called in plan files, pictures and tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Edge => "edge",
-            Self::Isolux => "isolux",
-            Self::Peak => "peak",
-            Self::Direct => "direct",
-            Self::Reflected => "reflected",
-            Self::Grid => "grid",
-            Self::Lit => "lit",
-            Self::Penumbra => "penumbra",
-            Self::Contact => "contact",
-            Self::Umbra => "umbra",
-            Self::View => "view",
-        }
-    }
-
-    /// Which light reaches a sample with this tag.
-    pub fn receives(self) -> Receives {
-        match self {
-            Self::Edge | Self::Isolux | Self::Peak | Self::Grid => Receives::All,
-            Self::Lit => Receives::Unshadowed,
-            Self::Direct | Self::Penumbra => Receives::Direct,
-            Self::Reflected | Self::Contact | Self::Umbra | Self::View => Receives::Reflected,
-        }
-    }
 }
 
 /// What shoots the light that a surface reflects.

@@ -1,6 +1,6 @@
 //! What a plan is predicted to err by, before anything is solved with it.
 
-use super::{Plan, SurfacePlan};
+use super::{Plan, SurfacePlan, Tag};
 
 /// The predicted error of one part of a surface's reconstruction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,6 +12,38 @@ pub struct Predicted {
     pub rms: f64,
     /// The area in m² that it is the mean over.
     pub area: f64,
+}
+
+/// The predicted error of the places of one tag.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PredictedAt {
+    /// What light does there.
+    pub tag: Tag,
+    /// The root of the mean square error of all light there, counted as in
+    /// [`Predicted::rms`].
+    pub rms: f64,
+    /// The area in m² of these places.
+    pub area: f64,
+}
+
+impl PredictedAt {
+    /// Of a surface with this area in m², from places all over it: of each its tag, the
+    /// square of its error and what it counts for. Tags without a place are left out.
+    pub fn by_tag(area: f64, places: &[(Tag, f64, f64)]) -> Vec<Self> {
+        let whole: f64 = places.iter().map(|(.., counts)| counts).sum();
+        let of_tag = |tag| {
+            let its = places.iter().filter(|(of_place, ..)| *of_place == tag);
+            let (loss, counts) = its.fold((0.0, 0.0), |(loss, counts), (_, square, weight)| {
+                (loss + square * weight, counts + weight)
+            });
+            (counts > 0.0).then(|| Self {
+                tag,
+                rms: (loss / counts).sqrt(),
+                area: area * counts / whole,
+            })
+        };
+        Tag::OF_PLACES.into_iter().filter_map(of_tag).collect()
+    }
 }
 
 /// What of a surface's light errs.
@@ -74,6 +106,13 @@ impl SurfacePlan {
 }
 
 impl Plan {
+    /// What the places of each tag are predicted to err by, of all surfaces together.
+    pub fn predicted_by_tag(&self) -> Vec<PredictedAt> {
+        let all = || self.surfaces.iter().flat_map(|s| &s.predicted_by_tag);
+        let places: Vec<_> = all().map(|p| (p.tag, p.rms * p.rms, p.area)).collect();
+        PredictedAt::by_tag(all().map(|p| p.area).sum(), &places)
+    }
+
     /// The predicted relative error of all surfaces with samples together, the root
     /// of the mean square over their area; `areas` in m², one a surface. `None` where
     /// one of them has no prediction.
@@ -120,5 +159,21 @@ mod tests {
                 .into_iter()
                 .all(|part| Part::named(part.name()) == Some(part))
         );
+    }
+    #[test]
+    fn tags_add_up_to_the_surface() {
+        let places = [
+            (Tag::Lit, 4e-4, 1.0),
+            (Tag::Penumbra, 9e-4, 0.5),
+            (Tag::Lit, 1e-4, 2.0),
+            (Tag::Contact, 1.0, 0.0),
+        ];
+        let by_tag = PredictedAt::by_tag(7.0, &places);
+        let tags: Vec<Tag> = by_tag.iter().map(|at| at.tag).collect();
+        assert_eq!(tags, [Tag::Lit, Tag::Penumbra], "of no weight, no place");
+        let area: f64 = by_tag.iter().map(|at| at.area).sum();
+        let loss: f64 = by_tag.iter().map(|at| at.rms * at.rms * at.area).sum();
+        assert!((area - 7.0).abs() < 1e-12);
+        assert!((loss - 7.0 * (4e-4 + 4.5e-4 + 2e-4) / 3.5).abs() < 1e-12);
     }
 }

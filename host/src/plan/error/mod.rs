@@ -8,11 +8,15 @@
 mod few;
 mod lit;
 mod polish;
+mod regions;
 mod stand;
 
 use super::fields::Field as Term;
 use super::fields::tensor::{Nodes, Tensor};
-use super::{Field, Part, Plan, Point, Predicted, Sample, SurfacePlan, Tag, Unplannable, spacing};
+use super::{
+    Field, Part, Plan, Point, Predicted, PredictedAt, Sample, SurfacePlan, Tag, Unplannable,
+    spacing,
+};
 use crate::scene::frame::Frame;
 use crate::scene::{Budget, Scene};
 use glam::DVec3;
@@ -145,6 +149,7 @@ struct Judge<'a> {
     total: &'a Field<'a>,
     places: Vec<[f64; 2]>,
     truth: Vec<f64>,
+    tags: Vec<Tag>,
     lit: Lit,
     /// Power received in W.
     power: f64,
@@ -159,6 +164,7 @@ impl<'a> Judge<'a> {
         Self {
             lit: Lit::by(scene, index, &frame, total),
             power: (mean * scene.surfaces[index].area).max(f64::MIN_POSITIVE),
+            tags: regions::tags(scene, index, &frame, &places),
             frame,
             total,
             places,
@@ -181,7 +187,7 @@ impl<'a> Judge<'a> {
                 factor,
                 ..grid.clone()
             };
-            let (worst, rms) = errors(&tensor, &values, &self.places, &self.truth)?;
+            let (worst, rms) = summed(&misfits(&tensor, &values, &self.places, &self.truth)?);
             Some(Candidate {
                 tensor,
                 error: worst + relative,
@@ -224,6 +230,17 @@ impl<'a> Ladder<'a> {
         }
     }
 
+    /// What the places of each tag err by; what its points cause counts everywhere alike.
+    fn by_tag(&self, candidate: &Candidate, values: &[f64]) -> Vec<PredictedAt> {
+        let judge = &self.judge;
+        let misfits = misfits(&candidate.tensor, values, &judge.places, &judge.truth);
+        let misfits = misfits.unwrap_or_default().into_iter();
+        let caused = candidate.caused * candidate.caused;
+        let places = judge.tags.iter().zip(misfits);
+        let places = places.map(|(&tag, (error, weight))| (tag, error * error + caused, weight));
+        PredictedAt::by_tag(self.area, &places.collect::<Vec<_>>())
+    }
+
     /// With this step of the ladder; and the largest relative error that its points
     /// cause on what they light.
     fn plan(&self, step: usize) -> (SurfacePlan, f64) {
@@ -249,6 +266,7 @@ impl<'a> Ladder<'a> {
         let relative = self.judge.lit.relative(&self.judge.frame, &tensor, &values);
         let planned = SurfacePlan {
             predicted: predicted.map(of_part).into(),
+            predicted_by_tag: self.by_tag(candidate, &values),
             samples: tensor.places().into_iter().map(sample).collect(),
             points: areas.map(|(sample, area)| Point { sample, area }).collect(),
             filter_radius: spacing::filter_radius(self.area, tensor.samples()),
@@ -279,32 +297,39 @@ fn at(frame: &Frame, places: &[[f64; 2]], field: &Field<'_>) -> Vec<f64> {
     field(&receivers)
 }
 
-/// The largest relative error of a tensor grid through these values, and the root of
-/// the mean square over the area; `None` where there is none through them.
-fn errors(
+/// The relative error of a tensor grid through these values at each place, and what
+/// the place counts for; `None` where there is no grid through them.
+fn misfits(
     tensor: &Tensor,
     values: &[f64],
     places: &[[f64; 2]],
     truth: &[f64],
-) -> Option<(f64, f64)> {
+) -> Option<Vec<(f64, f64)>> {
     let through = tensor.through(values)?;
     let faint = FAINT * truth.iter().copied().fold(0.0, f64::max);
-    let (mut worst, mut squares, mut weights) = (0.0_f64, 0.0, 0.0);
-    for (&place, &truth) in places.iter().zip(truth) {
+    let misfit = |(&place, &truth): (&[f64; 2], &f64)| {
         let error = (through.at(place) - truth).abs() / truth.max(faint).max(f64::MIN_POSITIVE);
         // Places are closer towards the edges: each stands for less there.
-        let weight: f64 = [0, 1]
-            .map(|axis| {
-                let t = (place[axis] - tensor.center[axis]) / tensor.half[axis];
-                (1.0 - t * t).max(0.0).sqrt()
-            })
-            .iter()
-            .product();
-        worst = worst.max(error);
-        squares += weight * error * error;
-        weights += weight;
-    }
-    Some((worst, (squares / weights.max(f64::MIN_POSITIVE)).sqrt()))
+        let weights = [0, 1].map(|axis| {
+            let t = (place[axis] - tensor.center[axis]) / tensor.half[axis];
+            (1.0 - t * t).max(0.0).sqrt()
+        });
+        (error, weights.iter().product())
+    };
+    Some(places.iter().zip(truth).map(misfit).collect())
+}
+
+/// The largest of errors that count for so much each, and the root of their mean square.
+fn summed(misfits: &[(f64, f64)]) -> (f64, f64) {
+    let worst = misfits
+        .iter()
+        .fold(0.0, |worst, (error, _)| error.max(worst));
+    let squares: f64 = misfits
+        .iter()
+        .map(|(error, weight)| weight * error * error)
+        .sum();
+    let weights: f64 = misfits.iter().map(|(_, weight)| weight).sum();
+    (worst, (squares / weights.max(f64::MIN_POSITIVE)).sqrt())
 }
 
 /// What polynomials may be of: E itself, E^(−1/2), and √(s/E) with the s of everything

@@ -1,6 +1,6 @@
 //! The surfaces of a plan file: that they are the scene's, and what each holds.
 
-use super::super::{MOST_SAMPLES, Part, Predicted, SurfacePlan};
+use super::super::{MOST_SAMPLES, Part, Predicted, PredictedAt, SurfacePlan, Tag};
 use super::samples::Samples;
 use super::{ANEW, SAME, emitters, fields};
 use crate::scene::diagnostic::{Diagnostic, nearest_name};
@@ -10,7 +10,7 @@ use crate::scene::{Scene, Surface};
 use emitters::Kind;
 use glam::DVec3;
 
-const KEYS: [&str; 14] = [
+const KEYS: [&str; 15] = [
     "name",
     "emits",
     "origin",
@@ -20,6 +20,7 @@ const KEYS: [&str; 14] = [
     "area",
     "filter-radius",
     "predicted",
+    "predicted-by-tag",
     "samples",
     "points",
     "band",
@@ -128,6 +129,7 @@ fn surface(
         fields,
         filter_radius,
         predicted: predicted(table)?,
+        predicted_by_tag: predicted_by_tag(table)?,
         ..SurfacePlan::without_samples(frame)
     })
 }
@@ -173,29 +175,59 @@ fn same_geometry(table: &Table<'_>, surface: &Surface, frame: &Frame) -> Result<
 }
 
 fn predicted(table: &Table<'_>) -> Result<Vec<Predicted>, Diagnostic> {
-    let example = "`[\"all\", 0.01, 25.0]`";
-    let one = |element: &Field<'_>| -> Result<Predicted, Diagnostic> {
-        let parts = element.elements("[part, error, area]", example)?;
+    let part = |name: &Field<'_>, text: &str| {
+        Part::named(text).ok_or_else(|| {
+            name.error(
+                "no part of the light is called that",
+                format!("the parts are {}", listed(&Part::ALL.map(Part::name))),
+            )
+        })
+    };
+    let found = predictions(table, "predicted", "`[\"all\", 0.01, 25.0]`", &part)?;
+    let predicted = |(part, rms, area)| Predicted { part, rms, area };
+    Ok(found.into_iter().map(predicted).collect())
+}
+
+fn predicted_by_tag(table: &Table<'_>) -> Result<Vec<PredictedAt>, Diagnostic> {
+    let tag = |name: &Field<'_>, text: &str| {
+        let tag = Tag::named(text).filter(|tag| Tag::OF_PLACES.contains(tag));
+        tag.ok_or_else(|| {
+            name.error(
+                "no place has this tag",
+                format!("places are {}", listed(&Tag::OF_PLACES.map(Tag::name))),
+            )
+        })
+    };
+    let found = predictions(table, "predicted-by-tag", "`[\"lit\", 0.01, 25.0]`", &tag)?;
+    let predicted = |(tag, rms, area)| PredictedAt { tag, rms, area };
+    Ok(found.into_iter().map(predicted).collect())
+}
+
+/// What a text names.
+type Named<'a, T> = dyn Fn(&Field<'_>, &str) -> Result<T, Diagnostic> + 'a;
+
+/// A list of [name, error, area]; none where the key is missing.
+fn predictions<T>(
+    table: &Table<'_>,
+    key: &'static str,
+    example: &str,
+    named: &Named<'_, T>,
+) -> Result<Vec<(T, f64, f64)>, Diagnostic> {
+    let one = |element: &Field<'_>| {
+        let parts = element.elements("[name, error, area]", example)?;
         let [name, rms, area] = parts.as_slice() else {
             return Err(element.error(
-                "a prediction is [part, error, area]",
+                "a prediction is [name, error, area]",
                 format!("write it like {example}"),
             ));
         };
-        let known = Part::ALL.map(Part::name);
-        let part = Part::named(name.string(example)?).ok_or_else(|| {
-            name.error(
-                "no part of the light is called that",
-                format!("the parts are {}", listed(&known)),
-            )
-        })?;
-        Ok(Predicted {
-            part,
-            rms: within(rms, 0.0..=1e6, example)?,
-            area: within(area, 0.0..=1e17, example)?,
-        })
+        Ok((
+            named(name, name.string(example)?)?,
+            within(rms, 0.0..=1e6, example)?,
+            within(area, 0.0..=1e17, example)?,
+        ))
     };
-    match table.optional("predicted") {
+    match table.optional(key) {
         Some(field) => field
             .elements("a list of predictions", example)?
             .iter()

@@ -34,6 +34,10 @@ const PREDICTED: &str = "\
 # and over how many m2.
 ";
 
+const BY_TAG: &str = "\
+# The same of all light at the places of each tag: [tag, error, m2].
+";
+
 const SAMPLES: &str = "\
 # Samples [u, v, tag]; where a vertex of an emitter is another place, [u, v, tag, u, v].
 # Tags: unshadowed light at \"lit\", then direct light at \"direct\" and \"penumbra\", then
@@ -111,6 +115,14 @@ fn of_surface(surface: &Surface, planned: &SurfacePlan) -> String {
         });
         text += PREDICTED;
         text += &lines("predicted", parts);
+    }
+    if !planned.predicted_by_tag.is_empty() {
+        let tags = planned.predicted_by_tag.iter().map(|predicted| {
+            let (rms, area) = (single(predicted.rms), single(predicted.area));
+            format!("[{}, {rms}, {area}]", quoted(predicted.tag.name()))
+        });
+        text += BY_TAG;
+        text += &lines("predicted-by-tag", tags);
     }
     if !planned.samples.is_empty() {
         text += SAMPLES;
