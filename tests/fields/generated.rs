@@ -14,6 +14,7 @@ use isolux_host::plan::{Plan, PredictedAt, SurfacePlan, Tag};
 use isolux_host::reference::{Reference, Reflections};
 use isolux_host::scene::Scene;
 use isolux_host::solve::{self, Rung, Sight, Solution};
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// Rooms, unless `ISOLUX_ROOMS` says how many, or which: `65..66`.
@@ -50,16 +51,31 @@ struct Outcome {
     wrong: Vec<String>,
 }
 
+impl Outcome {
+    fn and(mut self, other: Self) -> Self {
+        self.refused += other.refused;
+        self.surfaces += other.surfaces;
+        self.within += other.within;
+        self.errors.extend(other.errors);
+        self.tags = [0, 1].map(|k| self.tags[k] + other.tags[k]);
+        self.wrong.extend(other.wrong);
+        self
+    }
+}
+
 #[test]
 fn any_room_is_planned_or_refused() {
     let rooms: Vec<u64> = match std::env::var("ISOLUX_ROOMS") {
         Ok(asked) => which(&asked).collect(),
         Err(_) => ROOMS.chain([FAINT]).collect(),
     };
-    let mut outcome = Outcome::default();
-    for &seed in &rooms {
+    let of_one = |&seed: &u64| {
+        let mut outcome = Outcome::default();
         one(seed, &mut outcome);
-    }
+        outcome
+    };
+    let outcomes = rooms.par_iter().map(of_one);
+    let mut outcome = outcomes.reduce(Outcome::default, Outcome::and);
     let rooms = rooms.len();
     outcome.errors.sort_by(f64::total_cmp);
     let part = |part: f64| {
