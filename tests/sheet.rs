@@ -37,9 +37,10 @@ fn number(value: &Value) -> f64 {
 
 #[test]
 fn runs_keep_to_their_sheets() {
-    let runs: [&[&str]; 6] = [
+    let runs: [&[&str]; 7] = [
         &["paper"],
         &["cornell"],
+        &["office"],
         &["office", "--transfer", "codes"],
         &["paper", "--placement", "isolux"],
         &["paper-aspect", "--emitters", "layer-cake"],
@@ -50,7 +51,8 @@ fn runs_keep_to_their_sheets() {
 
 #[test]
 fn runs_on_other_rungs_keep_to_their_sheets() {
-    let runs: [&[&str]; 7] = [
+    let runs: [&[&str]; 8] = [
+        &["cornell-rgb"],
         &["penumbra", "--transfer", "codes"],
         &["paper", "--arithmetic", "q29"],
         &["office", "--arithmetic", "q29", "--transfer", "matrix"],
